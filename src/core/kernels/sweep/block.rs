@@ -5,7 +5,7 @@
 //! is known too, and a particle adds `v_k` from its left and right. On a line potentials are all there is to be added.
 
 #[cfg(target_arch = "x86_64")]
-use super::lanes::{Avx2, Avx512};
+use super::lanes::{Avx2, Avx512, Four};
 use super::lanes::{LANES, Lanes, Portable};
 use super::{WIDEST, Weights};
 use crate::kernels::target::Taken;
@@ -55,24 +55,25 @@ impl Soon {
 /// Blocks by whether they lie on a line or in the plane, and by their reach, from 0, which is none.
 type Blocks = [[BlockRates; WIDEST + 1]; 2];
 
-/// Blocks for the vectors of one kind of processor.
+/// Blocks for the vectors of one kind of processor: those of lines and of stencils that reach far, and those of others.
 macro_rules! blocks {
-    ($blocks:ident, $lanes:ty $(, $feature:literal)?) => {
+    ($blocks:ident, $far:ty, $near:ty $(, $feature:literal)?) => {
         pub(super) const $blocks: Blocks = {
             $(#[target_feature(enable = $feature)])?
             fn line<const REACH: usize>(near: &Near<'_>, slots: &mut [f64], taken: Taken<'_>) {
                 // SAFETY: this is compiled for the instructions of these lanes.
-                unsafe { block::<$lanes, REACH, 0, true>(near, slots, taken) }
+                unsafe { block::<$far, REACH, 0, true>(near, slots, taken) }
             }
 
             $(#[target_feature(enable = $feature)])?
             fn plane<const REACH: usize>(near: &Near<'_>, slots: &mut [f64], taken: Taken<'_>) {
                 // SAFETY: as above.
                 unsafe {
-                    if near.weights.disc {
-                        block::<$lanes, REACH, REACH, true>(near, slots, taken);
-                    } else {
-                        block::<$lanes, REACH, REACH, false>(near, slots, taken);
+                    match (REACH <= <$near as Lanes>::WIDTH, near.weights.disc) {
+                        (true, true) => block::<$near, REACH, REACH, true>(near, slots, taken),
+                        (true, false) => block::<$near, REACH, REACH, false>(near, slots, taken),
+                        (false, true) => block::<$far, REACH, REACH, true>(near, slots, taken),
+                        (false, false) => block::<$far, REACH, REACH, false>(near, slots, taken),
                     }
                 }
             }
@@ -85,11 +86,11 @@ macro_rules! blocks {
     };
 }
 
-blocks!(PORTABLE, Portable);
+blocks!(PORTABLE, Portable, Portable);
 #[cfg(target_arch = "x86_64")]
-blocks!(AVX2, Avx2, "avx2,fma");
+blocks!(AVX2, Avx2, Four, "avx2,fma");
 #[cfg(target_arch = "x86_64")]
-blocks!(AVX512, Avx512, "avx512f,avx512vl");
+blocks!(AVX512, Avx512, Avx512, "avx512f,avx512vl");
 
 /// Whether offset (k, dy) can carry weight in a stencil of this reach: all of the square or its disc, or a line.
 #[inline(always)]
@@ -126,12 +127,12 @@ macro_rules! for_each_distance {
 #[inline(always)]
 unsafe fn column_sums<V: Lanes, const REACH: usize, const ROWS: usize, const DISC: bool>(
     factors: &Factors<V::Factor>,
-    rows: &[&[[f64; LANES]]; 2 * WIDEST + 1],
-    group: usize,
+    rows: &[*const f64; 2 * WIDEST + 1],
+    at: usize,
 ) -> Sums<V> {
     // SAFETY: as the caller says.
     unsafe {
-        let middle = V::load(&rows[ROWS][group]);
+        let middle = V::load(rows[ROWS].add(at));
         let mut sums = [middle; WIDEST + 1];
         sums[0] = middle.times(factors.own);
         for_each_distance!(K, {
@@ -141,7 +142,7 @@ unsafe fn column_sums<V: Lanes, const REACH: usize, const ROWS: usize, const DIS
         });
         for_each_distance!(DY, {
             if DY <= ROWS {
-                let folded = V::load(&rows[ROWS - DY][group]).plus(V::load(&rows[ROWS + DY][group]));
+                let folded = V::load(rows[ROWS - DY].add(at)).plus(V::load(rows[ROWS + DY].add(at)));
                 sums[0] = folded.times_plus(factors.by_distance[0][DY], sums[0]);
                 for_each_distance!(K, {
                     if K <= REACH && carries::<REACH, ROWS, DISC>(K, DY) {
@@ -185,18 +186,13 @@ unsafe fn rates<V: Lanes, const REACH: usize, const ROWS: usize, const DISC: boo
 /// # Safety
 /// As [`Lanes`], and there must be a group on either side.
 #[inline(always)]
-unsafe fn line_rates<V: Lanes, const REACH: usize>(
-    factors: &Factors<V::Factor>,
-    row: &[[f64; LANES]],
-    group: usize,
-) -> V {
+unsafe fn line_rates<V: Lanes, const REACH: usize>(factors: &Factors<V::Factor>, from: *const f64) -> V {
     // SAFETY: as the caller says: distances are no longer than a group.
     unsafe {
-        let from = row.as_ptr().add(group).cast::<f64>();
-        let mut total = V::load(&*from.cast()).times(factors.own);
+        let mut total = V::load(from).times(factors.own);
         for_each_distance!(K, {
             if K <= REACH {
-                let pair = V::load(&*from.sub(K).cast()).plus(V::load(&*from.add(K).cast()));
+                let pair = V::load(from.sub(K)).plus(V::load(from.add(K)));
                 total = pair.times_plus(factors.by_distance[K][0], total);
             }
         });
@@ -205,33 +201,36 @@ unsafe fn line_rates<V: Lanes, const REACH: usize>(
 }
 
 /// Column sums of three groups, one after the other, of which rates of the one in the middle follow.
-struct Window<'a, V: Lanes, const REACH: usize, const ROWS: usize, const DISC: bool> {
+struct Window<V: Lanes, const REACH: usize, const ROWS: usize, const DISC: bool> {
     factors: Factors<V::Factor>,
-    rows: [&'a [[f64; LANES]]; 2 * WIDEST + 1],
+    /// Where rows begin, a group before the first particle.
+    rows: [*const f64; 2 * WIDEST + 1],
     before: Sums<V>,
     here: Sums<V>,
 }
 
-impl<V: Lanes, const REACH: usize, const ROWS: usize, const DISC: bool> Window<'_, V, REACH, ROWS, DISC> {
-    /// Rates of the next group.
+impl<V: Lanes, const REACH: usize, const ROWS: usize, const DISC: bool> Window<V, REACH, ROWS, DISC> {
+    /// Rates of the particles from one on, the next ones.
     ///
     /// # Safety
-    /// As [`Lanes`], and there must be a group after the next.
+    /// As [`Lanes`], and there must be as many numbers after them as there are lanes.
     #[inline(always)]
-    unsafe fn next(&mut self, group: usize) -> V {
+    unsafe fn next(&mut self, first: usize) -> V {
         // SAFETY: as the caller says.
         unsafe {
+            let at = LANES + first;
             if ROWS == 0 {
-                return line_rates::<V, REACH>(&self.factors, self.rows[0], group + 1);
+                return line_rates::<V, REACH>(&self.factors, self.rows[0].add(at));
             }
-            let after = column_sums::<V, REACH, ROWS, DISC>(&self.factors, &self.rows, group + 2);
+            let after = column_sums::<V, REACH, ROWS, DISC>(&self.factors, &self.rows, at + V::WIDTH);
             let rates = rates::<V, REACH, ROWS, DISC>(&self.factors, [&self.before, &self.here, &after]);
             (self.before, self.here) = (self.here, after);
             rates
         }
     }
 
-    /// Hands on the rates of all groups with their slots, those of the last, which may be too few for a group, to another.
+    /// Hands on the rates of all particles with their slots, by the number of the first, and those of the last, which may be fewer than
+    /// there are lanes, to another.
     ///
     /// # Safety
     /// As [`Lanes`].
@@ -240,22 +239,21 @@ impl<V: Lanes, const REACH: usize, const ROWS: usize, const DISC: bool> Window<'
         mut self,
         slots: &mut [f64],
         soon: Soon,
-        mut whole: impl FnMut(usize, V, &mut [f64; LANES]),
+        mut whole: impl FnMut(usize, V, *mut f64),
         some: impl FnOnce(V, &mut [f64]),
     ) {
-        let (groups, rest) = slots.as_chunks_mut::<LANES>();
-        let count = groups.len();
+        let end = slots.len() - slots.len() % V::WIDTH;
         // SAFETY: as the caller says.
         unsafe {
-            for (group, slots) in groups.iter_mut().enumerate() {
+            for first in (0..end).step_by(V::WIDTH) {
                 // Shorter sums leave no time for it.
-                if REACH > 1 {
-                    soon.fetch(group * LANES);
+                if REACH > 1 && first.is_multiple_of(LANES) {
+                    soon.fetch(first);
                 }
-                whole(group, self.next(group), slots);
+                whole(first, self.next(first), slots.as_mut_ptr().add(first));
             }
-            if !rest.is_empty() {
-                some(self.next(count), rest);
+            if end < slots.len() {
+                some(self.next(end), &mut slots[end..]);
             }
         }
     }
@@ -302,9 +300,9 @@ unsafe fn block<V: Lanes, const REACH: usize, const ROWS: usize, const DISC: boo
     taken: Taken<'_>,
 ) {
     let (at, groups) = (near.column, slots.len().div_ceil(LANES));
-    let mut rows = [&[][..]; 2 * WIDEST + 1];
+    let mut rows = [std::ptr::null(); 2 * WIDEST + 1];
     for (row, near) in rows.iter_mut().zip(&near.rows[..2 * ROWS + 1]) {
-        *row = &near[at..].as_chunks::<LANES>().0[..groups + 2];
+        *row = near[at..at + (groups + 2) * LANES].as_ptr();
     }
     // SAFETY: as the caller says.
     unsafe {
@@ -315,9 +313,9 @@ unsafe fn block<V: Lanes, const REACH: usize, const ROWS: usize, const DISC: boo
                 factors.by_distance[k][dy] = V::factor(near.weights.by_distance[k][dy]);
             }
         }
-        let before = column_sums::<V, REACH, ROWS, DISC>(&factors, &rows, 0);
-        let here = column_sums::<V, REACH, ROWS, DISC>(&factors, &rows, 1);
-        let window: Window<'_, V, REACH, ROWS, DISC> = Window { factors, rows, before, here };
+        let before = column_sums::<V, REACH, ROWS, DISC>(&factors, &rows, LANES - V::WIDTH);
+        let here = column_sums::<V, REACH, ROWS, DISC>(&factors, &rows, LANES);
+        let window: Window<V, REACH, ROWS, DISC> = Window { factors, rows, before, here };
         match taken {
             Taken::Replacing => {
                 window.settle(
@@ -338,14 +336,15 @@ unsafe fn block<V: Lanes, const REACH: usize, const ROWS: usize, const DISC: boo
             }
             Taken::Keeping { step, lost } => {
                 let step = V::factor(step);
-                let (lost, lost_rest) = lost.as_chunks_mut::<LANES>();
+                let (lost, lost_rest) = lost.split_at_mut(slots.len() - slots.len() % V::WIDTH);
+                let lost = lost.as_mut_ptr();
                 window.settle(
                     slots,
                     near.soon,
-                    |group, rates, slots| {
-                        let (next, left) = kept(rates, step, V::load(slots), V::load(&lost[group]));
+                    |first, rates, slots| {
+                        let (next, left) = kept(rates, step, V::load(slots), V::load(lost.add(first)));
                         next.store(slots);
-                        left.store(&mut lost[group]);
+                        left.store(lost.add(first));
                     },
                     |rates, slots| {
                         let (content, lost) = (load_rest::<V, ROWS>(slots), load_rest::<V, ROWS>(lost_rest));

@@ -1,9 +1,9 @@
-//! Eight numbers side by side, for the vectors of one kind of processor.
+//! Numbers side by side, for the vectors of one kind of processor.
 //!
 //! Every kind makes the same of the same numbers, bit by bit: products are fused with sums where they are asked to be, in
 //! software where a processor cannot.
 
-/// Numbers side by side.
+/// Numbers side by side, at most.
 pub const LANES: usize = 8;
 
 /// Numbers side by side, as a kind of processor holds them.
@@ -14,26 +14,28 @@ pub const LANES: usize = 8;
 pub(super) trait Lanes: Copy {
     /// One number for all.
     type Factor: Copy;
+    /// How many stand side by side.
+    const WIDTH: usize = LANES;
     /// A number for all.
     unsafe fn factor(value: f64) -> Self::Factor;
-    /// Numbers from memory.
-    unsafe fn load(from: &[f64; LANES]) -> Self;
-    /// Numbers into memory.
-    unsafe fn store(self, into: &mut [f64; LANES]);
+    /// Numbers from memory, as many as stand side by side.
+    unsafe fn load(from: *const f64) -> Self;
+    /// Numbers into memory, where there is room for as many.
+    unsafe fn store(self, into: *mut f64);
     /// Numbers from memory, fewer than there is room for, and zeros behind them.
     #[inline(always)]
     unsafe fn load_some(from: &[f64]) -> Self {
         let mut all = [0.0; LANES];
         all[..from.len()].copy_from_slice(from);
         // SAFETY: as the caller says.
-        unsafe { Self::load(&all) }
+        unsafe { Self::load(all.as_ptr()) }
     }
     /// As many of the numbers into memory as it takes, fewer than there are.
     #[inline(always)]
     unsafe fn store_some(self, into: &mut [f64]) {
         let mut all = [0.0; LANES];
         // SAFETY: as the caller says.
-        unsafe { self.store(&mut all) };
+        unsafe { self.store(all.as_mut_ptr()) };
         into.copy_from_slice(&all[..into.len()]);
     }
     /// [`Lanes::load_some`] on a line, which may be as short as what is left over: without a call, which would cost the loops over
@@ -57,9 +59,9 @@ pub(super) trait Lanes: Copy {
     unsafe fn times(self, factor: Self::Factor) -> Self;
     /// `self * factor + sum`, rounded once.
     unsafe fn times_plus(self, factor: Self::Factor, sum: Self) -> Self;
-    /// The numbers that stand `BY` places (1 to 8) before those of `here`, which `before` stands in front of.
+    /// The numbers that stand `BY` places (1 to `WIDTH`) before those of `here`, which `before` stands in front of.
     unsafe fn from_before<const BY: usize>(before: Self, here: Self) -> Self;
-    /// The numbers that stand `BY` places (1 to 8) after those of `here`, which `after` follows.
+    /// The numbers that stand `BY` places (1 to `WIDTH`) after those of `here`, which `after` follows.
     unsafe fn from_after<const BY: usize>(here: Self, after: Self) -> Self;
 }
 
@@ -76,13 +78,15 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
-    unsafe fn load(from: &[f64; LANES]) -> Self {
-        Portable(*from)
+    unsafe fn load(from: *const f64) -> Self {
+        // SAFETY: there are as many numbers as are read.
+        Portable(unsafe { from.cast::<[f64; LANES]>().read() })
     }
 
     #[inline(always)]
-    unsafe fn store(self, into: &mut [f64; LANES]) {
-        *into = self.0;
+    unsafe fn store(self, into: *mut f64) {
+        // SAFETY: there is room for as many numbers as are written.
+        unsafe { into.cast::<[f64; LANES]>().write(self.0) }
     }
 
     #[inline(always)]
@@ -118,7 +122,7 @@ impl Lanes for Portable {
 }
 
 #[cfg(target_arch = "x86_64")]
-pub(super) use x86::{Avx2, Avx512};
+pub(super) use x86::{Avx2, Avx512, Four};
 
 #[cfg(target_arch = "x86_64")]
 mod x86 {
@@ -177,16 +181,16 @@ mod x86 {
 
         #[inline]
         #[target_feature(enable = "avx512f")]
-        unsafe fn load(from: &[f64; LANES]) -> Self {
+        unsafe fn load(from: *const f64) -> Self {
             // SAFETY: there are as many numbers as are read.
-            Avx512(unsafe { _mm512_loadu_pd(from.as_ptr()) })
+            Avx512(unsafe { _mm512_loadu_pd(from) })
         }
 
         #[inline]
         #[target_feature(enable = "avx512f")]
-        unsafe fn store(self, into: &mut [f64; LANES]) {
+        unsafe fn store(self, into: *mut f64) {
             // SAFETY: there is room for as many numbers as are written.
-            unsafe { _mm512_storeu_pd(into.as_mut_ptr(), self.0) }
+            unsafe { _mm512_storeu_pd(into, self.0) }
         }
 
         #[inline]
@@ -240,19 +244,97 @@ mod x86 {
         }
     }
 
+    /// In one register of AVX2: half as many at once leave room for all column sums of short stencils.
+    #[derive(Clone, Copy)]
+    pub(in super::super) struct Four(__m256d);
+
+    impl Lanes for Four {
+        type Factor = __m256d;
+
+        const WIDTH: usize = LANES / 2;
+
+        #[inline]
+        #[target_feature(enable = "avx2,fma")]
+        unsafe fn factor(value: f64) -> __m256d {
+            _mm256_set1_pd(value)
+        }
+
+        #[inline]
+        #[target_feature(enable = "avx2,fma")]
+        unsafe fn load(from: *const f64) -> Self {
+            // SAFETY: there are as many numbers as are read.
+            Four(unsafe { _mm256_loadu_pd(from) })
+        }
+
+        #[inline]
+        #[target_feature(enable = "avx2,fma")]
+        unsafe fn store(self, into: *mut f64) {
+            // SAFETY: there is room for as many numbers as are written.
+            unsafe { _mm256_storeu_pd(into, self.0) }
+        }
+
+        #[inline]
+        #[target_feature(enable = "avx2,fma")]
+        unsafe fn load_some(from: &[f64]) -> Self {
+            Four(some_of_four(from))
+        }
+
+        #[inline]
+        #[target_feature(enable = "avx2,fma")]
+        unsafe fn store_some(self, into: &mut [f64]) {
+            store_some_of_four(self.0, into);
+        }
+
+        #[inline]
+        #[target_feature(enable = "avx2,fma")]
+        unsafe fn plus(self, other: Self) -> Self {
+            Four(_mm256_add_pd(self.0, other.0))
+        }
+
+        #[inline]
+        #[target_feature(enable = "avx2,fma")]
+        unsafe fn minus(self, other: Self) -> Self {
+            Four(_mm256_sub_pd(self.0, other.0))
+        }
+
+        #[inline]
+        #[target_feature(enable = "avx2,fma")]
+        unsafe fn times(self, factor: __m256d) -> Self {
+            Four(_mm256_mul_pd(self.0, factor))
+        }
+
+        #[inline]
+        #[target_feature(enable = "avx2,fma")]
+        unsafe fn times_plus(self, factor: __m256d, sum: Self) -> Self {
+            Four(_mm256_fmadd_pd(self.0, factor, sum.0))
+        }
+
+        #[inline]
+        #[target_feature(enable = "avx2,fma")]
+        unsafe fn from_before<const BY: usize>(before: Self, here: Self) -> Self {
+            Four(four_from([before.0, here.0], Self::WIDTH - BY))
+        }
+
+        #[inline]
+        #[target_feature(enable = "avx2,fma")]
+        unsafe fn from_after<const BY: usize>(here: Self, after: Self) -> Self {
+            Four(four_from([here.0, after.0], BY))
+        }
+    }
+
     /// In two registers, by AVX2 and the fused products that came with it.
     #[derive(Clone, Copy)]
     pub(in super::super) struct Avx2([__m256d; 2]);
 
-    /// The four numbers from the one at place `from` on, of sixteen.
+    /// The four numbers from the one at place `from` on, of four times as many as there are registers.
     #[inline]
     #[target_feature(enable = "avx2")]
-    fn four_from(sixteen: [__m256d; 4], from: usize) -> __m256d {
-        let low = sixteen[from / 4];
+    fn four_from<const REGISTERS: usize>(numbers: [__m256d; REGISTERS], from: usize) -> __m256d {
+        let low = numbers[from / 4];
         if from.is_multiple_of(4) {
             return low;
         }
-        let high = sixteen[from / 4 + 1];
+        let high = numbers[from / 4 + 1];
         let middle = _mm256_permute2f128_pd::<0x21>(low, high);
         match from % 4 {
             1 => _mm256_shuffle_pd::<0b0101>(low, middle),
@@ -308,16 +390,14 @@ mod x86 {
 
         #[inline]
         #[target_feature(enable = "avx2,fma")]
-        unsafe fn load(from: &[f64; LANES]) -> Self {
-            let from = from.as_ptr();
+        unsafe fn load(from: *const f64) -> Self {
             // SAFETY: there are as many numbers as are read.
             Avx2(unsafe { [_mm256_loadu_pd(from), _mm256_loadu_pd(from.add(LANES / 2))] })
         }
 
         #[inline]
         #[target_feature(enable = "avx2,fma")]
-        unsafe fn store(self, into: &mut [f64; LANES]) {
-            let into = into.as_mut_ptr();
+        unsafe fn store(self, into: *mut f64) {
             // SAFETY: there is room for as many numbers as are written.
             unsafe {
                 _mm256_storeu_pd(into, self.0[0]);

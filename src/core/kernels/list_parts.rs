@@ -95,9 +95,10 @@ impl ListParts {
         }
     }
 
-    /// Threads that there are.
+    /// Threads that share the particles.
     pub(super) fn threads(&self) -> usize {
-        self.team.as_ref().map_or(1, Team::threads)
+        let shares = self.positions.len() > MANY;
+        self.team.as_ref().filter(|_| shares).map_or(1, Team::threads)
     }
 
     /// Fills values of entries row by row, in tasks as [`ListParts::in_tasks`] has them.

@@ -8,6 +8,7 @@ use frazil_core::kernels::list_parts::ListParts;
 use frazil_core::kernels::term::Off;
 use frazil_core::solvers::assembly::Assembly;
 use frazil_core::space::domain::{Domain, Sector};
+use frazil_record::Outcome;
 use frazil_scene::method::{Discretisation, MethodKind, Stepper};
 use frazil_scene::settings::Front;
 use frazil_simulation::plan::{self, Plan};
@@ -612,8 +613,12 @@ fn noise_conserves_heat() {
                 let moved: f64 = plan.particles.enthalpy.iter().map(|enthalpy| enthalpy.abs()).sum();
                 let sum: f64 = plan.particles.enthalpy.iter().sum();
                 assert!(moved > 1e5 && sum.abs() < 1e-10 * moved, "{} {domain:?}: {sum:e} of {moved:e}", kind.name);
-                // With walls, what has come in through them is what is stored.
+                // Of a run, too, in which nothing comes in.
                 sketch.duration_s = 2e5;
+                let record = sketch.run(kind).record;
+                assert_eq!(record.outcome, Outcome::Ok, "{} {domain:?}: {:?}", kind.name, record.cause);
+                assert!(record.energy_balance_rel.abs() <= 1e-10, "{} {domain:?}", kind.name);
+                // With walls, what has come in through them is what is stored.
                 for (name, line) in four_walls().into_iter().take(2 * domain.dimension()) {
                     sketch = sketch.wall(name, line);
                 }

@@ -36,17 +36,16 @@ fn balance(particles: &Particles, ledger: &Ledger, time: f64) -> BudgetRow {
     let in_j = ledger.heat();
     let total: Sum = in_j.iter().copied().collect();
     let exchanged = in_j.iter().map(|heat| heat.abs()).sum::<f64>().max(stored_j.abs());
-    // Where particles start from different temperatures, they exchange heat even if nothing comes in.
+    // Particles exchange heat even if nothing comes in: where they start from different temperatures, and by noise.
     let exchanged = exchanged.max(0.5 * moved_j).max(LEAST_EXCHANGE * started_j(particles));
     let balance_rel = if exchanged > 0.0 { (stored_j - total.value()) / exchanged } else { 0.0 };
     BudgetRow { time_s: time, stored_j, in_j, balance_rel }
 }
 
-/// What all particles have taken up since the start (J), and, where they started from different temperatures, how much each
-/// by its magnitude, summed.
+/// What all particles have taken up since the start (J), and how much each by its magnitude, summed.
 fn taken_up(particles: &Particles) -> (f64, f64) {
     match &particles.start[..] {
-        [] => (particles.integral(|i| particles.enthalpy[i]), 0.0),
+        [] => (particles.integral(|i| particles.enthalpy[i]), particles.integral(|i| particles.enthalpy[i].abs())),
         start => {
             let change = |i: usize| particles.enthalpy[i] - start[i];
             (particles.integral(change), particles.integral(|i| change(i).abs()))

@@ -8,6 +8,7 @@ use frazil_core::physics::material::{FreezingLaw, Material, Mixing, Phase};
 use frazil_core::space::domain::{Domain, Sector};
 use frazil_record::{Outcome, RunResult};
 use frazil_scene::Scene;
+use frazil_studies::answers::numbers::numbers;
 
 use crate::sketch::{SHARP, Sketch, even, sand, steady_material, through};
 
@@ -91,6 +92,9 @@ fn walls_of_a_row_at_rest_have_the_temperature_of_line_sinks() {
             let wall = last(&result, "pipes.csv", column);
             assert!((wall - exact).abs() < 5e-4 * (10.0 - exact), "{}: {column} {wall}, not {exact}", kind.name);
         }
+        let scene = sketch.scene(kind);
+        let found = numbers(&scene, &result).into_iter().find(|number| number.name == "pipe_wall_c").expect("a number");
+        assert_eq!(found.value, last(&result, "pipes.csv", "wall_c"), "{}", kind.name);
     }
 }
 

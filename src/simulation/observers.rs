@@ -46,6 +46,7 @@ use observer::{End, Fractions, Maker, Observer, Setup, View, is_parted};
 
 pub use fields::map;
 pub use loads::TABLE as LOADS;
+pub use pipe_walls::TABLE as PIPE_WALLS;
 
 /// Makes each observer, where a scene needs it; and the table that says itself what is in it, if it leaves one.
 const OBSERVERS: [(Maker, Option<&str>); 20] = [

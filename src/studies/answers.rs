@@ -10,6 +10,7 @@ use frazil_plots::style::{length, number};
 use frazil_record::{Errors, EstimatedError, GapRow, MeasuredErrors, RunResult, WallRecord};
 use frazil_record::{WaterRecord, WaterRow};
 use frazil_scene::{Scene, Units};
+use frazil_simulation::observers::PIPE_WALLS;
 
 use crate::ensemble::record::by_name;
 use crate::progress::clock;
@@ -52,6 +53,11 @@ pub fn answers(scene: &Scene, result: &RunResult) -> Vec<Line> {
         line("frozen lengths", format!("{between} between pipes, {through} through pipes (means) after {after}"));
         line("frozen area", format!("{} after {after}", say.with(row.frozen_area_m2, "m²")));
     }
+    let mut line = |title: &str, words: String| lines.push((title.to_owned(), words));
+    if let Some((mean, coldest)) = pipe_walls(result) {
+        let [mean, coldest] = [mean, coldest].map(|temperature| say.with(temperature, "°C"));
+        line("pipe walls", format!("{mean} at the end (mean of the first ring), {coldest} at the coldest"));
+    }
     if let Some((record, last)) = result.record.water.as_ref().zip(result.water.as_ref().and_then(|w| w.rows.last())) {
         lines.extend(say.water(record, last));
     }
@@ -59,6 +65,18 @@ pub fn answers(scene: &Scene, result: &RunResult) -> Vec<Line> {
         lines.push(("stream".into(), format!("{} at most", say.with(stream.greatest_speed_m_per_s, "m/s"))));
     }
     lines
+}
+
+/// Temperature of the walls of pipes at the end, in the mean over the first ring whose walls follow brine or a heat, and of the coldest
+/// wall at any output.
+fn pipe_walls(result: &RunResult) -> Option<(f64, f64)> {
+    let table = result.tables.iter().find(|table| table.file == PIPE_WALLS)?;
+    let at = |name: &str| table.columns.iter().position(|column| column.name == name);
+    let (time, mean, coldest) = (at("time_s")?, at("wall_c")?, at("coldest_c")?);
+    let end = table.rows.last()?[time];
+    let first = table.rows.iter().find(|row| row[time] == end)?;
+    let least = table.rows.iter().filter_map(|row| row[coldest]).fold(f64::INFINITY, f64::min);
+    Some((first[mean]?, least))
 }
 
 /// Errors against the reference, of a run and of its water.

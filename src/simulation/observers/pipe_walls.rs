@@ -9,7 +9,7 @@ use super::observer::{Instants, Made, Setup};
 use super::series::series;
 
 /// Its table.
-pub(super) const TABLE: &str = "pipes.csv";
+pub const TABLE: &str = "pipes.csv";
 
 pub(super) fn of(setup: &Setup<'_>) -> Made {
     let follows = |sink: &&Sink| !matches!(sink.condition, PipeCondition::Temperature(_));

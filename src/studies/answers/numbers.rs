@@ -4,7 +4,7 @@ use frazil_record::RunResult;
 use frazil_scene::{Scene, TimeUnit, Units};
 use serde::{Deserialize, Serialize};
 
-use super::{Gaps, volume_unit};
+use super::{Gaps, pipe_walls, volume_unit};
 use crate::ensemble::record::errors_of;
 
 /// A number that a run found.
@@ -23,6 +23,7 @@ pub fn numbers(scene: &Scene, result: &RunResult) -> Vec<Number> {
     let mut list = List { scene, numbers: Vec::new() };
     list.fronts(result);
     list.wall(result);
+    list.pipes(result);
     list.water(result);
     if let Some(stream) = &result.record.stream {
         list.add("greatest_speed_m_per_s", "greatest speed", "m/s", Some(stream.greatest_speed_m_per_s));
@@ -87,6 +88,12 @@ impl List<'_> {
         self.add("thickness_main_mean_m", "thickness through pipes", "m", Some(row.thickness_main_mean_m));
         self.add("frozen_area_m2", "frozen area", "m²", Some(row.frozen_area_m2));
         self.add("heat_per_pipe_w_per_m", "heat of a pipe", "W/m", Some(row.heat_per_pipe_w_per_m));
+    }
+
+    fn pipes(&mut self, result: &RunResult) {
+        let walls = pipe_walls(result);
+        self.add("pipe_wall_c", "walls of pipes", "°C", walls.map(|walls| walls.0));
+        self.add("pipe_wall_coldest_c", "coldest wall of a pipe", "°C", walls.map(|walls| walls.1));
     }
 
     fn water(&mut self, result: &RunResult) {

@@ -6,7 +6,7 @@
 
 use crate::bonds::exchange::{Exchange, Mean};
 use crate::bonds::pair_list::PairList;
-#[cfg(target_arch = "x86_64")]
+#[cfg(any(test, target_arch = "x86_64"))]
 use crate::instruction_set::InstructionSet;
 use crate::kernels::list_parts::ListParts;
 use crate::kernels::term::PairTerm;
@@ -404,7 +404,7 @@ mod tests {
             let beside = one_by_one(&runs.rest, (count, total), &term, &fields);
             let team = Team::new(2).expect("two threads").expect("a team");
             let mut first: Option<Vec<f64>> = None;
-            for set in instruction_set::InstructionSet::ALL {
+            for set in InstructionSet::ALL {
                 instruction_set::limit(set);
                 for team in [None, Some(&team)] {
                     let mut rate: Vec<f64> = beside.iter().map(|sums| sums.0).collect();

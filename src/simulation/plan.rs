@@ -74,7 +74,7 @@ pub struct Plan {
     pub bound: Bound,
     /// The same in words.
     pub summary: PlanSummary,
-    /// Where pipes are at work, in the sector.
+    /// Pipes of the sector, joined to particles.
     pub pipes: Vec<Sink>,
 }
 

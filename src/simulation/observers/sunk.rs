@@ -43,7 +43,9 @@ pub(super) fn frozen_in<'a>(
     rings
         .filter_map(|((sunk, rate), ring)| {
             let first = *sunk.near.first()? as usize;
-            let cools = rate < 0.0 && sunk.near.iter().all(|i| particles.frozen_fraction(*i as usize) >= 1.0);
+            if rate >= 0.0 || !sunk.near.iter().all(|i| particles.frozen_fraction(*i as usize) >= 1.0) {
+                return None;
+            }
             let share: f64 = sunk.pipes.iter().map(|pipe| pipe.share).sum();
             // The temperature inside the wall, and outside.
             let (inside, pipe) = match &ring.condition {
@@ -61,7 +63,7 @@ pub(super) fn frozen_in<'a>(
             let factor = particles.mean_factor(&sunk.near);
             let conductivity = factor * particles.materials.of(first).curve.conductivity(inside);
             let heat = -rate / share / conductivity;
-            cools.then_some(FrozenIn { pipes: &sunk.pipes, radius: ring.pipe_radius, temperature: pipe, heat })
+            Some(FrozenIn { pipes: &sunk.pipes, radius: ring.pipe_radius, temperature: pipe, heat })
         })
         .collect()
 }

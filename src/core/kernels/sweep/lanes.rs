@@ -324,7 +324,7 @@ mod x86 {
 
     /// In two registers, by AVX2 and the fused products that came with it.
     #[derive(Clone, Copy)]
-    pub(in super::super) struct Avx2([__m256d; 2]);
+    pub(in super::super) struct Avx2([Four; 2]);
 
     /// The four numbers from the one at place `from` on, of four times as many as there are registers.
     #[inline]
@@ -385,14 +385,15 @@ mod x86 {
         #[inline]
         #[target_feature(enable = "avx2,fma")]
         unsafe fn factor(value: f64) -> __m256d {
-            _mm256_set1_pd(value)
+            // SAFETY: as the caller says.
+            unsafe { Four::factor(value) }
         }
 
         #[inline]
         #[target_feature(enable = "avx2,fma")]
         unsafe fn load(from: *const f64) -> Self {
             // SAFETY: there are as many numbers as are read.
-            Avx2(unsafe { [_mm256_loadu_pd(from), _mm256_loadu_pd(from.add(LANES / 2))] })
+            Avx2(unsafe { [Four::load(from), Four::load(from.add(Four::WIDTH))] })
         }
 
         #[inline]
@@ -400,8 +401,8 @@ mod x86 {
         unsafe fn store(self, into: *mut f64) {
             // SAFETY: there is room for as many numbers as are written.
             unsafe {
-                _mm256_storeu_pd(into, self.0[0]);
-                _mm256_storeu_pd(into.add(LANES / 2), self.0[1]);
+                self.0[0].store(into);
+                self.0[1].store(into.add(Four::WIDTH));
             }
         }
 
@@ -410,8 +411,8 @@ mod x86 {
         unsafe fn load_end(from: &[f64]) -> Self {
             match from.split_first_chunk::<{ LANES / 2 }>() {
                 // SAFETY: there are as many numbers as are read.
-                Some((low, rest)) => Avx2([unsafe { _mm256_loadu_pd(low.as_ptr()) }, some_of_four(rest)]),
-                None => Avx2([some_of_four(from), _mm256_setzero_pd()]),
+                Some((low, rest)) => Avx2(unsafe { [Four::load(low.as_ptr()), Four::load_some(rest)] }),
+                None => Avx2([Four(some_of_four(from)), Four(_mm256_setzero_pd())]),
             }
         }
 
@@ -421,50 +422,56 @@ mod x86 {
             match into.split_first_chunk_mut::<{ LANES / 2 }>() {
                 Some((low, rest)) => {
                     // SAFETY: there is room for as many numbers as are written.
-                    unsafe { _mm256_storeu_pd(low.as_mut_ptr(), self.0[0]) };
-                    store_some_of_four(self.0[1], rest);
+                    unsafe {
+                        self.0[0].store(low.as_mut_ptr());
+                        self.0[1].store_some(rest);
+                    }
                 }
-                None => store_some_of_four(self.0[0], into),
+                None => store_some_of_four(self.0[0].0, into),
             }
         }
 
         #[inline]
         #[target_feature(enable = "avx2,fma")]
         unsafe fn plus(self, other: Self) -> Self {
-            Avx2([_mm256_add_pd(self.0[0], other.0[0]), _mm256_add_pd(self.0[1], other.0[1])])
+            // SAFETY: as the caller says.
+            unsafe { Avx2([self.0[0].plus(other.0[0]), self.0[1].plus(other.0[1])]) }
         }
 
         #[inline]
         #[target_feature(enable = "avx2,fma")]
         unsafe fn minus(self, other: Self) -> Self {
-            Avx2([_mm256_sub_pd(self.0[0], other.0[0]), _mm256_sub_pd(self.0[1], other.0[1])])
+            // SAFETY: as the caller says.
+            unsafe { Avx2([self.0[0].minus(other.0[0]), self.0[1].minus(other.0[1])]) }
         }
 
         #[inline]
         #[target_feature(enable = "avx2,fma")]
         unsafe fn times(self, factor: __m256d) -> Self {
-            Avx2([_mm256_mul_pd(self.0[0], factor), _mm256_mul_pd(self.0[1], factor)])
+            // SAFETY: as the caller says.
+            unsafe { Avx2([self.0[0].times(factor), self.0[1].times(factor)]) }
         }
 
         #[inline]
         #[target_feature(enable = "avx2,fma")]
         unsafe fn times_plus(self, factor: __m256d, sum: Self) -> Self {
             let Avx2([low, high]) = self;
-            Avx2([_mm256_fmadd_pd(low, factor, sum.0[0]), _mm256_fmadd_pd(high, factor, sum.0[1])])
+            // SAFETY: as the caller says.
+            unsafe { Avx2([low.times_plus(factor, sum.0[0]), high.times_plus(factor, sum.0[1])]) }
         }
 
         #[inline]
         #[target_feature(enable = "avx2,fma")]
         unsafe fn from_before<const BY: usize>(before: Self, here: Self) -> Self {
-            let sixteen = [before.0[0], before.0[1], here.0[0], here.0[1]];
-            Avx2([four_from(sixteen, LANES - BY), four_from(sixteen, LANES + LANES / 2 - BY)])
+            let sixteen = [before.0[0].0, before.0[1].0, here.0[0].0, here.0[1].0];
+            Avx2([Four(four_from(sixteen, LANES - BY)), Four(four_from(sixteen, LANES + LANES / 2 - BY))])
         }
 
         #[inline]
         #[target_feature(enable = "avx2,fma")]
         unsafe fn from_after<const BY: usize>(here: Self, after: Self) -> Self {
-            let sixteen = [here.0[0], here.0[1], after.0[0], after.0[1]];
-            Avx2([four_from(sixteen, BY), four_from(sixteen, LANES / 2 + BY)])
+            let sixteen = [here.0[0].0, here.0[1].0, after.0[0].0, after.0[1].0];
+            Avx2([Four(four_from(sixteen, BY)), Four(four_from(sixteen, LANES / 2 + BY))])
         }
     }
 }

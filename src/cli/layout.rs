@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use frazil_layouts::{LayoutRequest, layout};
+use frazil_plots::canvas::Formats;
 use frazil_studies::campaign::Shard;
 use frazil_studies::failure::{Failure, Verdict};
 
@@ -37,11 +38,17 @@ pub struct LayoutArguments {
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Prints the layouts, the part of the plan that is simulated and why, and the expected time; runs nothing.
-    #[arg(long, conflicts_with_all = ["shard", "out", "frames"])]
+    #[arg(long, conflicts_with_all = ["shard", "out", "frames", "png", "pdf"])]
     check: bool,
     /// Draws a temperature map of each layout at every output, for an animation: layouts/*/frames/*.png.
     #[arg(long)]
     frames: bool,
+    /// Also draws the figures of each layout as PNG, beside its SVG; those of the study always are.
+    #[arg(long)]
+    png: bool,
+    /// Also writes the figures of each layout as PDF; those of the study always are.
+    #[arg(long)]
+    pdf: bool,
     #[command(flatten)]
     runs: StudyRuns,
     /// Starts even if the run takes longer than 30 days.
@@ -63,6 +70,7 @@ impl LayoutArguments {
             shard: self.shard.unwrap_or(Shard::WHOLE),
             check: self.check,
             frames: self.frames,
+            formats: Formats { png: self.png, pdf: self.pdf },
             out: self.out,
             checkpoints,
             quiet: self.runs.quiet,

@@ -8,7 +8,7 @@ use crate::memory::{HeapSize, shared};
 use crate::physics::latent_heat::Materials;
 use crate::physics::sub_cell::at_the_centre;
 use crate::saved::{Pass, Saved};
-use crate::side_by_side::sum_of;
+use crate::side_by_side::{sum_and_size, sum_of, sum_where};
 use crate::space::lattice::Lattice;
 use crate::space::volumes::Volumes;
 
@@ -98,6 +98,21 @@ impl Particles {
     #[inline]
     pub fn integral(&self, value: impl Fn(usize) -> f64) -> f64 {
         sum_of(self.len(), |i| value(i) * self.volumes.share(i)) * self.volumes.unit()
+    }
+
+    /// The same of a value that is zero where a column is.
+    #[inline]
+    pub fn integral_where(&self, column: &[f64], value: impl Fn(usize) -> f64) -> f64 {
+        sum_where(column, |i| value(i) * self.volumes.share(i)) * self.volumes.unit()
+    }
+
+    /// Integrals over the body of a column less another, of which there may be none, and of the magnitudes of what it integrates.
+    pub fn integrals(&self, column: &[f64], less: &[f64]) -> [f64; 2] {
+        if self.volumes.is_even() {
+            return sum_and_size(column, less).map(|sum| sum * self.volumes.unit());
+        }
+        let value = |i: usize| column[i] - less.get(i).copied().unwrap_or(0.0);
+        [self.integral(value), self.integral(|i| value(i).abs())]
     }
 
     /// How much better the ground of some particles conducts than their material: the geometric mean, as places conduct in series and

@@ -79,7 +79,7 @@ fn extremes_of(values: &[f64], all: &mut MinMax) {
 
 /// The sum of what is told for each number from zero to `count`: several sums side by side that keep their rounding errors (two-sum,
 /// Knuth 1969), then theirs.
-#[inline]
+#[inline(always)]
 pub fn sum_of(count: usize, term: impl Fn(usize) -> f64) -> f64 {
     let (mut totals, mut lost) = ([0.0; LANES], [0.0; LANES]);
     let mut add = |terms: [f64; LANES]| {
@@ -97,6 +97,41 @@ pub fn sum_of(count: usize, term: impl Fn(usize) -> f64) -> f64 {
     add(std::array::from_fn(|lane| if whole + lane < count { term(whole + lane) } else { 0.0 }));
     let sum: Sum = totals.into_iter().chain(lost).collect();
     sum.value()
+}
+
+/// The same where the term of what a column has zeros for is zero: to the same bits, without asking for groups of zeros.
+#[inline]
+pub fn sum_where(column: &[f64], term: impl Fn(usize) -> f64) -> f64 {
+    let groups = column.chunks(LANES).enumerate().filter(|(_, group)| group.iter().any(|value| *value != 0.0));
+    let first: Vec<usize> = groups.map(|(number, _)| number * LANES).collect();
+    sum_of(first.len() * LANES, |place| {
+        let at = first[place / LANES] + place % LANES;
+        if at < column.len() { term(at) } else { 0.0 }
+    })
+}
+
+/// Sum of a column less another, of which there may be none, and of the magnitudes of what it adds: to the bits of [`sum_of`].
+pub fn sum_and_size(values: &[f64], less: &[f64]) -> [f64; 2] {
+    let mut sums = [0.0; 2];
+    match less {
+        [] => sums_widely(values, &mut sums),
+        less => sums_of_less_widely(values, less, &mut sums),
+    }
+    sums
+}
+
+widest!(sums_widely, sums_of, (values: &[f64], sums: &mut [f64; 2]));
+widest!(sums_of_less_widely, sums_of_less, (values: &[f64], less: &[f64], sums: &mut [f64; 2]));
+
+#[inline(always)]
+fn sums_of(values: &[f64], sums: &mut [f64; 2]) {
+    *sums = [sum_of(values.len(), |i| values[i]), sum_of(values.len(), |i| values[i].abs())];
+}
+
+#[inline(always)]
+fn sums_of_less(values: &[f64], less: &[f64], sums: &mut [f64; 2]) {
+    let less = &less[..values.len()];
+    *sums = [sum_of(values.len(), |i| values[i] - less[i]), sum_of(values.len(), |i| (values[i] - less[i]).abs())];
 }
 
 /// What is added up over a step: the start, the end, the rates at the start and at the end.

@@ -104,6 +104,8 @@ pub struct Work<'a> {
     pub shard: Shard,
     /// Whether layouts that are compared leave frames of an animation.
     pub frames: bool,
+    /// As what their figures are written beside SVG.
+    pub formats: Formats,
     /// Whether to say nothing but errors.
     pub quiet: bool,
     /// The machine, as it was at the start.
@@ -178,12 +180,24 @@ impl Work<'_> {
         self.draws_frames(layout) && !self.folder_of(layout).join(fields::NAMES[2]).is_dir()
     }
 
-    /// What is known of a layout: nothing while its folder lacks the run, or frames that are wanted.
+    /// Whether figures of a layout are wanted as what its folder lacks.
+    fn lacks_figures(&self, layout: &Layout) -> bool {
+        let Formats { png, pdf } = self.formats;
+        let wanted: Vec<&str> =
+            [(png, "png"), (pdf, "pdf")].into_iter().filter(|(is, _)| *is).map(|(_, as_)| as_).collect();
+        let files = std::fs::read_dir(self.folder_of(layout)).into_iter().flatten().flatten().map(|file| file.path());
+        let lacks = |svg: PathBuf| wanted.iter().any(|as_| !svg.with_extension(as_).is_file());
+        self.has_maps(layout) && files.filter(|file| file.extension().is_some_and(|own| own == "svg")).any(lacks)
+    }
+
+    /// What is known of a layout: nothing while its folder lacks the run, or frames or figures that are wanted.
     fn found(&self, layout: &Layout) -> Option<Finding> {
         let found = self.campaign.known(&self.key(layout))?;
         let is_there = match &found {
             Finding::Ran(pair) => {
-                output::holds(&self.folder_of(layout), &pair.fine.record) && !self.lacks_frames(layout)
+                output::holds(&self.folder_of(layout), &pair.fine.record)
+                    && !self.lacks_frames(layout)
+                    && !self.lacks_figures(layout)
             }
             Finding::Refused(_) => true,
         };
@@ -264,7 +278,7 @@ impl Work<'_> {
         let Some(coarse) = known.or_else(|| self.run_coarse(layout)) else { return Ok(None) };
         output::write_run_and(&path, &fine, || frames.map_or(Ok(()), |frames| frames.finish(&path)))?;
         if self.has_maps(layout)
-            && let Err(error) = run_figures(&fine, &path, &self.figure_options(layout, &fine.fields), Formats::ALL)
+            && let Err(error) = run_figures(&fine, &path, &self.figure_options(layout, &fine.fields), self.formats)
         {
             complain(&format!("figures: {error}"));
         }

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use frazil_core::memory;
+use frazil_plots::canvas::Formats;
 use frazil_plots::page::Block;
 use frazil_scene::Scene;
 use frazil_simulation::predict;
@@ -83,6 +84,8 @@ pub struct LayoutRequest {
     pub check: bool,
     /// Whether to draw frames of an animation.
     pub frames: bool,
+    /// As what the figures of each layout are written beside SVG.
+    pub formats: Formats,
     /// Folder for the results; `out/<study>` if absent.
     pub out: Option<PathBuf>,
     /// Wall time between two checkpoints of a run; none if absent.
@@ -135,6 +138,7 @@ pub fn layout(request: &LayoutRequest, parts: &Parts<'_>) -> Result<Verdict, Fai
         threads: request.threads,
         shard: request.shard,
         frames: request.frames,
+        formats: request.formats,
         quiet: request.quiet,
         machine: machine.clone(),
     };

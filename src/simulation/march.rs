@@ -24,6 +24,7 @@ use frazil_scene::method::MethodSettings;
 
 use crate::checkpoint::{self, Header, Kept, identity};
 use crate::observers::Observers;
+use crate::observers::joint::Readings;
 use crate::observers::observer::{Fractions, Moment, Setup, View};
 use crate::plan::refusals::holdable;
 use crate::plan::{Plan, build, settings_of};
@@ -178,7 +179,8 @@ pub fn run(
     let kept = options.checkpoints.map(found).transpose()?.flatten();
     let plan = build(scene, settings, reference, options.threads, options.seed)?;
     let (particles, method, pipes) = (&plan.particles, plan.method.as_ref(), &plan.pipes[..]);
-    let observers = Observers::new(&Setup { scene, particles, method, pipes, maps: options.fields, reference });
+    let (maps, readings) = (options.fields, Readings::default());
+    let observers = Observers::new(&Setup { scene, particles, method, pipes, maps, reference, readings });
     holdable(scene, settings.method, Memory { observers: observers.held_at_the_end(), ..plan.summary.memory })?;
     let setup = setup.stop();
     let guard = Guard::new(scene, &plan.particles, &plan.pipes);

@@ -1,6 +1,7 @@
 //! Observers: what is read off the particles between steps, and never inside one.
 
 mod alike;
+mod arrivals;
 mod boundary;
 mod budget;
 mod corners;
@@ -11,7 +12,7 @@ mod front_shape;
 mod frozen;
 mod gaps;
 mod isotherms;
-mod joint;
+pub(crate) mod joint;
 mod lengths;
 mod level_set;
 mod loads;
@@ -123,8 +124,11 @@ impl Observers {
     }
 
     /// Whether something whose instant one of them tells has come about since the last state that it saw.
-    pub(crate) fn have_crossed(&self, particles: &Particles) -> bool {
-        self.all.iter().any(|observer| observer.has_crossed(particles))
+    pub(crate) fn have_crossed(&mut self, particles: &Particles) -> bool {
+        let fractions = Fractions::within(std::mem::take(&mut self.room));
+        let crossed = self.all.iter().any(|observer| observer.has_crossed(particles, &fractions));
+        self.room = fractions.into_room();
+        crossed
     }
 
     /// Puts all that they have seen into what the run leaves.

@@ -20,6 +20,7 @@ use crate::march::guard::Guard;
 use crate::march::instants::{next_turn, outputs};
 use crate::march::{GUARD_STEPS, Refused};
 use crate::observers::Observers;
+use crate::observers::joint::Readings;
 use crate::observers::observer::{Cadence, Fractions, Moment, Setup, View};
 use crate::plan::refusals::{Counted, affordable, count, holdable};
 use crate::plan::steps::MOST_STAGES;
@@ -245,8 +246,9 @@ fn try_out(
     now: &mut dyn FnMut() -> f64,
 ) -> Forecast {
     let Plan { mut particles, mut method, step, bound, mut summary, pipes } = plan;
+    let (method_of, readings) = (method.as_ref(), Readings::default());
     let setup =
-        Setup { scene, particles: &particles, method: method.as_ref(), pipes: &pipes, maps: true, reference: None };
+        Setup { scene, particles: &particles, method: method_of, pipes: &pipes, maps: true, reference: None, readings };
     let mut observers = Observers::new(&setup);
     summary.memory = Memory { observers: observers.held_at_the_end(), ..summary.memory };
     let looks = observers.are_due(0.0);

@@ -12,8 +12,10 @@ use frazil_simulation::reference::Reference;
 
 use crate::progress::LONG;
 
-/// Time (s) of a particle's step, at most: noise of some fifty pairs, each from a list.
-const DEAREST: f64 = 1e-6;
+/// Time (s) of a particle's step, at most: of some fifty pairs of a list with means of conductivities and freezing curves, and with
+/// noise of each.
+const DEAREST: f64 = 2e-7;
+const DEAREST_WITH_NOISE: f64 = 1e-6;
 
 /// What a run will take, and why.
 #[derive(Debug, Clone, PartialEq)]
@@ -63,7 +65,10 @@ fn shorter(forecast: &Forecast, work: &Work) -> String {
 /// trial tells.
 fn is_short(scene: &Scene, method: &str) -> bool {
     let moves = |settings: &MethodSettings| matches!(settings.discretisation.stepper, Stepper::Moving(_));
-    scene.flow.is_none() && !scene.method(method).is_some_and(moves) && particle_steps(scene, method) * DEAREST < LONG
+    let has_noise = |settings: &MethodSettings| settings.discretisation.fluctuation > 0.0;
+    let settings = scene.method(method);
+    let dearest = if settings.is_some_and(has_noise) { DEAREST_WITH_NOISE } else { DEAREST };
+    scene.flow.is_none() && !settings.is_some_and(moves) && particle_steps(scene, method) * dearest < LONG
 }
 
 /// About how many steps of particles a run makes with explicit steps, without a plan: what runs of one kind take is in

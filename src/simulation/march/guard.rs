@@ -107,11 +107,12 @@ impl Guard {
     /// A particle that is no number, or far from all data.
     pub fn look(&mut self, particles: &Particles, clock: &Clock, bound: &Bound) -> Result<(), Absurd> {
         let enthalpy = &particles.enthalpy;
-        if !MinMax::of(enthalpy).are_finite {
+        let outside = MinMax::without(enthalpy, &self.inside_pipes);
+        if !outside.are_finite || !self.inside_pipes.iter().all(|i| enthalpy[*i as usize].is_finite()) {
             let first = enthalpy.iter().position(|enthalpy| !enthalpy.is_finite()).unwrap_or_default();
             return Err(Absurd::new(particles, first, clock, bound, Fault::NotFinite));
         }
-        let (low, high) = self.extremes(particles);
+        let (low, high) = self.extremes(particles, outside);
         if low > high {
             return Ok(());
         }
@@ -130,11 +131,10 @@ impl Guard {
         Ok(())
     }
 
-    /// Least and greatest temperature outside pipes.
-    fn extremes(&self, particles: &Particles) -> (f64, f64) {
+    /// Least and greatest temperature outside pipes, where the enthalpies are so.
+    fn extremes(&self, particles: &Particles, MinMax { least, greatest, .. }: MinMax) -> (f64, f64) {
         if !particles.materials.mixed() {
             // Temperature rises with enthalpy: within one material the extremes are those of the enthalpy.
-            let MinMax { least, greatest, .. } = MinMax::without(&particles.enthalpy, &self.inside_pipes);
             let temperature = |enthalpy: f64| particles.materials.of(0).temperature(enthalpy);
             return if least > greatest { (least, greatest) } else { (temperature(least), temperature(greatest)) };
         }

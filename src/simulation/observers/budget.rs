@@ -10,11 +10,12 @@ use super::series::series;
 pub(super) fn of(setup: &Setup<'_>) -> Made {
     let names: Vec<String> = setup.method.ledger().sources().iter().map(Source::to_string).collect();
     let by_row = names.len() * size_of::<f64>();
+    let started = started_j(setup.particles);
     series(
         Instants::Outputs,
         Vec::with_capacity(setup.outputs()),
         (by_row, 0),
-        |view, rows| rows.push(balance(view.particles, view.ledger, view.time)),
+        move |view, rows| rows.push(balance(view.particles, view.ledger, view.time, started)),
         |rows, result| (result.budget_names, result.budget) = (names, rows),
     )
 }
@@ -24,31 +25,18 @@ const LEAST_EXCHANGE: f64 = 1e-6;
 
 /// What all particles started with (J), each by its magnitude.
 fn started_j(particles: &Particles) -> f64 {
-    match &particles.start[..] {
-        [] => 0.0,
-        start => particles.integral(|i| start[i].abs()),
-    }
+    if particles.start.is_empty() { 0.0 } else { particles.integrals(&particles.start, &[])[1] }
 }
 
-/// The heat balance at a time.
-fn balance(particles: &Particles, ledger: &Ledger, time: f64) -> BudgetRow {
-    let (stored_j, moved_j) = taken_up(particles);
+/// The heat balance at a time, of particles that started with so much (J).
+fn balance(particles: &Particles, ledger: &Ledger, time: f64, started_j: f64) -> BudgetRow {
+    // What all have taken up since the start, and how much each by its magnitude, summed.
+    let [stored_j, moved_j] = particles.integrals(&particles.enthalpy, &particles.start);
     let in_j = ledger.heat();
     let total: Sum = in_j.iter().copied().collect();
     let exchanged = in_j.iter().map(|heat| heat.abs()).sum::<f64>().max(stored_j.abs());
     // Particles exchange heat even if nothing comes in: where they start from different temperatures, and by noise.
-    let exchanged = exchanged.max(0.5 * moved_j).max(LEAST_EXCHANGE * started_j(particles));
+    let exchanged = exchanged.max(0.5 * moved_j).max(LEAST_EXCHANGE * started_j);
     let balance_rel = if exchanged > 0.0 { (stored_j - total.value()) / exchanged } else { 0.0 };
     BudgetRow { time_s: time, stored_j, in_j, balance_rel }
-}
-
-/// What all particles have taken up since the start (J), and how much each by its magnitude, summed.
-fn taken_up(particles: &Particles) -> (f64, f64) {
-    match &particles.start[..] {
-        [] => (particles.integral(|i| particles.enthalpy[i]), particles.integral(|i| particles.enthalpy[i].abs())),
-        start => {
-            let change = |i: usize| particles.enthalpy[i] - start[i];
-            (particles.integral(change), particles.integral(|i| change(i).abs()))
-        }
-    }
 }

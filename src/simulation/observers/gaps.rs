@@ -7,7 +7,7 @@ use frazil_core::space::domain::Domain;
 use frazil_record::{GapRow, RunResult};
 
 use super::joint::{Joint, is_sharp};
-use super::observer::{Cadence, End, Instants, Made, Observer, Schedule, Setup, View, room};
+use super::observer::{Cadence, End, Fractions, Instants, Made, Observer, Schedule, Setup, View, room};
 use super::rays::{Pair, following, pairs};
 
 struct Gaps {
@@ -21,7 +21,7 @@ pub(super) fn of(setup: &Setup<'_>) -> Made {
     let ring = scene.rings.first()?;
     let sharp = is_sharp(scene);
     let gap = |pair: Pair, along_m: Option<f64>, multiplicity: usize| {
-        let joint = Joint::between(pair.places, &sampler, sharp);
+        let joint = Joint::between(pair.places, setup, &sampler);
         let [from, to] = pair.names();
         let row = GapRow {
             gap: pair.first(),
@@ -72,11 +72,11 @@ impl Observer for Gaps {
 
     fn observe(&mut self, view: &View<'_>) {
         self.cadence.seen(view.time);
-        self.gaps.iter_mut().for_each(|(_, joint)| joint.look(view.particles, self.sharp, view.time));
+        self.gaps.iter_mut().for_each(|(_, joint)| joint.look(view, self.sharp));
     }
 
-    fn has_crossed(&self, particles: &Particles) -> bool {
-        self.gaps.iter().any(|(_, joint)| joint.closes(particles, self.sharp))
+    fn has_crossed(&self, particles: &Particles, fractions: &Fractions) -> bool {
+        self.gaps.iter().any(|(_, joint)| joint.closes(particles, fractions, self.sharp))
     }
 
     fn leave(self: Box<Self>, _: &End<'_>, result: &mut RunResult) {

@@ -1,5 +1,8 @@
 //! Two frozen bodies that join once a way between them is frozen through, and when.
 
+use std::cell::RefCell;
+use std::sync::Arc;
+
 use frazil_core::memory::HeapSize;
 use frazil_core::particles::Particles;
 use frazil_core::saved::{Pass, Saved};
@@ -7,7 +10,9 @@ use frazil_scene::Scene;
 use glam::DVec2;
 
 use super::neck::Neck;
+use super::observer::{Fractions, Setup, View};
 use super::sampler::{Sample, Sampler};
+use super::wall::SAME_PLACE;
 
 /// Whether the ground of a scene freezes at one temperature.
 pub(super) fn is_sharp(scene: &Scene) -> bool {
@@ -63,7 +68,7 @@ impl HeapSize for Way {
 }
 
 /// What tells whether two frozen bodies have joined.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 enum Reading {
     /// Ways of which the first to freeze joins them.
     Ways(Vec<Way>),
@@ -71,34 +76,70 @@ enum Reading {
     Neck(Neck),
 }
 
+impl HeapSize for Reading {
+    fn heap_size(&self) -> usize {
+        match self {
+            Reading::Ways(ways) => ways.heap_size(),
+            Reading::Neck(neck) => neck.heap_size(),
+        }
+    }
+}
+
+/// Whether two lines of a scene are the same, in whichever direction.
+pub(super) fn is_same(line: [DVec2; 2], other: [DVec2; 2], scene: &Scene) -> bool {
+    let same = |a: DVec2, b: DVec2| a.distance(b) <= SAME_PLACE * scene.domain.extent();
+    (same(line[0], other[0]) && same(line[1], other[1])) || (same(line[0], other[1]) && same(line[1], other[0]))
+}
+
+/// Readings between pairs of places, which the observers of a run share.
+#[derive(Debug, Default)]
+pub(crate) struct Readings(RefCell<Vec<([DVec2; 2], Arc<Reading>)>>);
+
+impl Readings {
+    /// The one between two places, and whether it is new.
+    fn between(&self, places: [DVec2; 2], scene: &Scene, sampler: &Sampler<'_>) -> (Arc<Reading>, bool) {
+        let mut known = self.0.borrow_mut();
+        if let Some((_, reading)) = known.iter().find(|(other, _)| is_same(*other, places, scene)) {
+            return (reading.clone(), false);
+        }
+        let reading = Arc::new(match is_sharp(scene) {
+            true => Reading::Neck(Neck::between(places, sampler)),
+            false => Reading::Ways(ways(places, sampler)),
+        });
+        known.push((places, reading.clone()));
+        (reading, true)
+    }
+}
+
 /// Two frozen bodies that join.
 #[derive(Debug, Clone)]
 pub(super) struct Joint {
-    reading: Reading,
+    reading: Arc<Reading>,
+    /// Whether it is the first with its reading.
+    is_first: bool,
     /// Time and openness at the last look: positive while open.
     last: Option<(f64, f64)>,
     pub(super) closed: Option<f64>,
 }
 
 impl Joint {
-    /// Of what is frozen around two pipes. `sharp`: ground freezes at one temperature.
-    pub(super) fn between(pipes: [DVec2; 2], sampler: &Sampler<'_>, sharp: bool) -> Self {
-        let reading = match sharp {
-            true => Reading::Neck(Neck::between(pipes, sampler)),
-            false => Reading::Ways(ways(pipes, sampler)),
-        };
-        Joint { reading, last: None, closed: None }
+    /// Of what is frozen around two pipes.
+    pub(super) fn between(pipes: [DVec2; 2], setup: &Setup<'_>, sampler: &Sampler<'_>) -> Self {
+        let (reading, is_first) = setup.readings.between(pipes, setup.scene, sampler);
+        Joint { reading, is_first, last: None, closed: None }
     }
 
     /// At a place.
     pub(super) fn at(way: Way) -> Self {
-        Joint { reading: Reading::Ways(vec![way]), last: None, closed: None }
+        Joint { reading: Arc::new(Reading::Ways(vec![way])), is_first: true, last: None, closed: None }
     }
 
     /// How far it is from being closed, in the ground as it is: positive while open. `sharp`: it freezes at one temperature.
-    fn openness_in(&self, particles: &Particles, sharp: bool) -> f64 {
-        let ways = match &self.reading {
-            Reading::Neck(neck) => return neck.width(|i| 1.0 - particles.frozen_fraction(i)),
+    fn openness_in(&self, particles: &Particles, fractions: &Fractions, sharp: bool) -> f64 {
+        let ways = match &*self.reading {
+            Reading::Neck(neck) => {
+                return neck.width(|i| fractions.of_one(particles, i), || fractions.of(particles));
+            }
             Reading::Ways(ways) => ways,
         };
         match sharp {
@@ -109,24 +150,27 @@ impl Joint {
                     (particles.enthalpy[i] + thermal.zero_enthalpy) / thermal.curve.latent_heat() + 1.0
                 })
             }),
-            false => openness(ways, |sample| 0.5 - sample.of(|i| particles.frozen_fraction(i))),
+            false => openness(ways, |sample| 0.5 - sample.of(|i| fractions.of_one(particles, i))),
         }
     }
 
     /// Whether open ground parts both bodies now.
-    pub(super) fn is_open(&self, particles: &Particles, sharp: bool) -> bool {
-        self.openness_in(particles, sharp) > 0.0
+    pub(super) fn is_open(&self, particles: &Particles, fractions: &Fractions, sharp: bool) -> bool {
+        match &*self.reading {
+            Reading::Neck(neck) => !neck.has_met(|i| fractions.of_one(particles, i), || fractions.of(particles)),
+            Reading::Ways(_) => self.openness_in(particles, fractions, sharp) > 0.0,
+        }
     }
 
     /// Whether it was open at the last look and is closed now.
-    pub(super) fn closes(&self, particles: &Particles, sharp: bool) -> bool {
-        self.closed.is_none() && self.openness_in(particles, sharp) <= 0.0
+    pub(super) fn closes(&self, particles: &Particles, fractions: &Fractions, sharp: bool) -> bool {
+        self.closed.is_none() && self.openness_in(particles, fractions, sharp) <= 0.0
     }
 
-    /// Looks at the ground at a time (s), unless it is closed.
-    pub(super) fn look(&mut self, particles: &Particles, sharp: bool, time: f64) {
+    /// Looks at the ground, unless it is closed.
+    pub(super) fn look(&mut self, view: &View<'_>, sharp: bool) {
         if self.closed.is_none() {
-            self.take(time, self.openness_in(particles, sharp));
+            self.take(view.time, self.openness_in(view.particles, &view.fractions, sharp));
         }
     }
 
@@ -173,9 +217,6 @@ impl Saved for Joint {
 
 impl HeapSize for Joint {
     fn heap_size(&self) -> usize {
-        match &self.reading {
-            Reading::Ways(ways) => ways.heap_size(),
-            Reading::Neck(neck) => neck.heap_size(),
-        }
+        if self.is_first { self.reading.heap_size() } else { 0 }
     }
 }

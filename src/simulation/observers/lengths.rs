@@ -6,11 +6,10 @@
 //! means of both terms over what each of them reads.
 
 use frazil_core::memory::HeapSize;
-use frazil_core::particles::Particles;
-use frazil_scene::Scene;
 use glam::DVec2;
 
-use super::joint::{Joint, is_sharp};
+use super::joint::Joint;
+use super::observer::{Setup, View};
 use super::rays::Ray;
 use super::sampler::{Sample, Sampler};
 
@@ -41,10 +40,10 @@ pub(super) struct Across {
 
 impl Across {
     /// Along a ray.
-    pub(super) fn along(ray: &Ray, scene: &Scene, sampler: &Sampler<'_>) -> Self {
+    pub(super) fn along(ray: &Ray, setup: &Setup<'_>, sampler: &Sampler<'_>) -> Self {
         let line = Straight { origin: ray.origin, direction: ray.direction, along: &ray.radii };
-        let is_only_ring = scene.rings.len() == 1;
-        let joint = ray.pipes.filter(|_| is_only_ring).map(|pipes| Joint::between(pipes, sampler, is_sharp(scene)));
+        let is_only_ring = setup.scene.rings.len() == 1;
+        let joint = ray.pipes.filter(|_| is_only_ring).map(|pipes| Joint::between(pipes, setup, sampler));
         Across {
             multiplicity: ray.multiplicity,
             alone: merged(line.lengths(&ray.samples)),
@@ -54,11 +53,12 @@ impl Across {
     }
 
     /// Frozen length (m), and by how much it is read as too long on the line alone. `sharp`: ground freezes at one temperature.
-    pub(super) fn frozen(&self, particles: &Particles, fractions: &[f64], sharp: bool) -> (f64, f64) {
+    pub(super) fn frozen(&self, view: &View<'_>, sharp: bool) -> (f64, f64) {
+        let fractions = view.fractions();
         let alone = self.alone.of(|i| fractions[i]);
         // What is read beside a line may leave less than nothing on it.
         let length = (alone - self.excess.of(|i| fractions[i])).max(0.0);
-        let is_open = || self.joint.as_ref().is_some_and(|joint| joint.is_open(particles, sharp));
+        let is_open = || self.joint.as_ref().is_some_and(|joint| joint.is_open(view.particles, &view.fractions, sharp));
         let length = if length > 0.0 && is_open() { 0.0 } else { length };
         (length, alone - length)
     }
@@ -71,9 +71,9 @@ impl HeapSize for Across {
 }
 
 /// Mean frozen length over lines (m), each for all that it stands for.
-pub(super) fn mean_length(lines: &[Across], particles: &Particles, fractions: &[f64], sharp: bool) -> f64 {
+pub(super) fn mean_length(lines: &[Across], view: &View<'_>, sharp: bool) -> f64 {
     let weights: usize = lines.iter().map(|line| line.multiplicity).sum();
-    let lengths = lines.iter().map(|line| line.multiplicity as f64 * line.frozen(particles, fractions, sharp).0);
+    let lengths = lines.iter().map(|line| line.multiplicity as f64 * line.frozen(view, sharp).0);
     lengths.sum::<f64>() / weights.max(1) as f64
 }
 
@@ -109,12 +109,12 @@ impl Straight<'_> {
     /// Particles and the length of line (m) in each, by samples of its points.
     fn lengths(&self, samples: &[Sample]) -> Vec<(u32, f64)> {
         let step = self.along[1] - self.along[0];
-        let is_end = |k: usize| k == 0 || k + 1 == samples.len();
-        let of_point = |(k, sample): (usize, &Sample)| {
-            let length = if is_end(k) { 0.5 * step } else { step };
-            sample.0.iter().map(|(i, weight)| (*i, length * weight)).collect::<Vec<_>>()
-        };
-        samples.iter().enumerate().flat_map(of_point).collect()
+        let mut lengths = Vec::with_capacity(4 * samples.len());
+        for (k, sample) in samples.iter().enumerate() {
+            let length = if k == 0 || k + 1 == samples.len() { 0.5 * step } else { step };
+            lengths.extend(sample.0.iter().map(|(i, weight)| (*i, length * weight)));
+        }
+        lengths
     }
 
     /// By how much (m) frozen ground is read as too long on the line, which goes between two pipes, where they stand (m).
@@ -173,7 +173,8 @@ fn of_cell(off: f64, aside: DVec2, spacing: f64) -> (f64, f64) {
     let round = ROUND * spacing;
     let at = |k: usize| ((k as f64 + 0.5) / SIDE as f64 - 0.5) * spacing;
     let offs = (0..SIDE * SIDE).map(|k| off + aside.dot(DVec2::new(at(k % SIDE), at(k / SIDE))));
-    let sums = offs.fold((0.0, 0.0), |sums, off| (sums.0 + off.hypot(round) - round, sums.1 + off * off));
+    let sums =
+        offs.fold((0.0, 0.0), |sums, off| (sums.0 + (off * off + round * round).sqrt() - round, sums.1 + off * off));
     let places = (SIDE * SIDE) as f64;
     (sums.0 / places, sums.1 / places)
 }

@@ -111,33 +111,48 @@ impl LevelSet {
     pub(super) fn part(&self, level: f64, mut piece: impl FnMut(DVec2, DVec2)) -> Parted {
         let mut parted = Parted::default();
         for row in 0..self.rows - 1 {
-            for column in 0..self.columns - 1 {
-                let cells = [(column, row), (column + 1, row), (column + 1, row + 1), (column, row + 1)];
-                let corners =
-                    cells.map(|(x, y)| (DVec2::new(self.x[x], self.y[y]), self.values[y * self.columns + x] - level));
-                if corners.iter().any(|corner| corner.1.is_nan()) {
+            let [lower, upper] = [row, row + 1].map(|row| &self.values[row * self.columns..][..self.columns]);
+            let height = self.y[row + 1] - self.y[row];
+            for (column, (lower, upper)) in lower.windows(2).zip(upper.windows(2)).enumerate() {
+                let values = [lower[0], lower[1], upper[1], upper[0]];
+                if values.iter().any(|value| value.is_nan()) {
                     continue;
                 }
-                let size = corners[2].0 - corners[0].0;
-                let mean = corners.iter().map(|corner| corner.1).sum::<f64>() / 4.0;
-                let (area, centre) = (size.x * size.y, (corners[0].0 + 0.5 * size, mean));
-                let below = corners.iter().filter(|corner| corner.1 < 0.0).count();
-                let share = match below {
-                    0 | 4 => 0.25 * below as f64,
-                    _ => (0..4).fold(0.0, |share, k| {
-                        let (below, ends) = cut([corners[k], corners[(k + 1) % 4], centre]);
-                        if let Some((a, b)) = ends {
+                let area = (self.x[column + 1] - self.x[column]) * height;
+                match values.iter().filter(|value| **value < level).count() {
+                    0 => parted.above += area,
+                    4 => parted.below += area,
+                    _ => {
+                        let share = self.share_below((column, row), values.map(|value| value - level), &mut |a, b| {
                             parted.length += a.distance(b);
                             piece(a, b);
-                        }
-                        share + 0.25 * below
-                    }),
-                };
-                parted.below += share * area;
-                parted.above += (1.0 - share) * area;
+                        });
+                        parted.below += share * area;
+                        parted.above += (1.0 - share) * area;
+                    }
+                }
             }
         }
         parted
+    }
+
+    /// Part of the area between four nodes, of which the first is given, in which the field is less than a level, by how far above it the
+    /// nodes are; shows each piece of the contour.
+    fn share_below(&self, (column, row): (usize, usize), above: [f64; 4], piece: &mut impl FnMut(DVec2, DVec2)) -> f64 {
+        let nodes = [(column, row), (column + 1, row), (column + 1, row + 1), (column, row + 1)];
+        let mut corners = [(DVec2::ZERO, 0.0); 4];
+        for (corner, ((x, y), above)) in corners.iter_mut().zip(nodes.into_iter().zip(above)) {
+            *corner = (DVec2::new(self.x[x], self.y[y]), above);
+        }
+        let mean = above.iter().sum::<f64>() / 4.0;
+        let centre = (corners[0].0 + 0.5 * (corners[2].0 - corners[0].0), mean);
+        (0..4).fold(0.0, |share, k| {
+            let (below, ends) = cut([corners[k], corners[(k + 1) % 4], centre]);
+            if let Some((a, b)) = ends {
+                piece(a, b);
+            }
+            share + 0.25 * below
+        })
     }
 }
 

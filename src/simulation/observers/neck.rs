@@ -32,6 +32,12 @@ const NEXT: usize = 3;
 /// Ways that tell of one place: two to either side in each mean, of three means.
 const AROUND: usize = 2 * NEXT + MEAN.len();
 
+/// Ways that tell of one place, by their numbers, and their widths (m).
+type Widths = [(usize, f64); AROUND];
+
+/// None of them.
+const NO_WIDTHS: Widths = [(usize::MAX, 0.0); AROUND];
+
 /// A way between two bodies, with a bend half-way.
 #[derive(Debug, Clone)]
 struct Way {
@@ -74,7 +80,7 @@ impl Neck {
                 let length = bend.distance(end) / pieces;
                 for piece in 0..pieces as usize {
                     let place = bend.lerp(end, (piece as f64 + 0.5) / pieces);
-                    lengths.extend(sampler.sample(place).0.into_iter().map(|(i, weight)| (i, weight * length)));
+                    sampler.add(place, length, &mut lengths);
                 }
             }
             lengths.sort_unstable_by_key(|entry: &(u32, f64)| entry.0);
@@ -90,28 +96,45 @@ impl Neck {
         Neck { ways: (-count..=count).map(|k| way(middle + k as f64 * apart * across)).collect(), spread }
     }
 
-    /// Width (m) of the open ground where it is narrowest, by how open particles are, from 0 to 1. Nothing, or less, once both bodies
-    /// have met; infinite while the bends of all ways are open: then it is wider than a particle.
-    pub(super) fn width(&self, open: impl Fn(usize) -> f64) -> f64 {
-        let mut widths = [(usize::MAX, 0.0); AROUND];
-        let mut least = f64::INFINITY;
-        for first in 0..=self.ways.len() - AROUND {
-            if self.ways[first + AROUND / 2].gate.of(&open) >= OPEN {
-                continue;
-            }
-            for way in first..first + AROUND {
-                let held = &mut widths[way % AROUND];
-                if held.0 != way {
-                    *held = (way, self.ways[way].lengths.of(&open));
-                }
-            }
-            let mean = |middle: usize| -> f64 {
-                MEAN.iter().zip(first + middle - 2..).map(|(weight, way)| weight * widths[way % AROUND].1).sum()
-            };
-            let middle = AROUND / 2;
-            least = least.min(narrowest([mean(middle - NEXT), mean(middle), mean(middle + NEXT)], self.spread));
+    /// Width (m) of the open ground where it is narrowest, by the frozen fraction of a particle and those of all, for which it asks where
+    /// bends of ways are no more open. Nothing, or less, once both bodies have met; infinite while the bends of all ways are open: then
+    /// it is wider than a particle.
+    pub(super) fn width<'a>(&self, frozen: impl Fn(usize) -> f64, all: impl Fn() -> &'a [f64]) -> f64 {
+        let mut widths = NO_WIDTHS;
+        let places = 0..=self.ways.len() - AROUND;
+        places.fold(f64::INFINITY, |least, first| least.min(self.width_at(first, &mut widths, &frozen, &all)))
+    }
+
+    /// Whether both bodies have met. Where they have met half-way, as those that are alike do, nothing else is looked at.
+    pub(super) fn has_met<'a>(&self, frozen: impl Fn(usize) -> f64, all: impl Fn() -> &'a [f64]) -> bool {
+        let half_way = self.width_at((self.ways.len() - AROUND) / 2, &mut { NO_WIDTHS }, &frozen, &all);
+        half_way <= 0.0 || self.width(frozen, all) <= 0.0
+    }
+
+    /// Width (m) by the ways from one on; infinite where the middle one of them bends in the open. Widths of ways that are known are kept
+    /// from one call to the next.
+    fn width_at<'a>(
+        &self,
+        first: usize,
+        widths: &mut Widths,
+        frozen: impl Fn(usize) -> f64,
+        all: impl Fn() -> &'a [f64],
+    ) -> f64 {
+        let middle = AROUND / 2;
+        if self.ways[first + middle].gate.of(|i| 1.0 - frozen(i)) >= OPEN {
+            return f64::INFINITY;
         }
-        least
+        let fractions = all();
+        for way in first..first + AROUND {
+            let held = &mut widths[way % AROUND];
+            if held.0 != way {
+                *held = (way, self.ways[way].lengths.of(|i| 1.0 - fractions[i]));
+            }
+        }
+        let mean = |middle: usize| -> f64 {
+            MEAN.iter().zip(first + middle - 2..).map(|(weight, way)| weight * widths[way % AROUND].1).sum()
+        };
+        narrowest([mean(middle - NEXT), mean(middle), mean(middle + NEXT)], self.spread)
     }
 }
 
@@ -159,9 +182,9 @@ mod tests {
             let (aside, centre) = (0.6 * DVec2::from_angle(turn), DVec2::new(x, y));
             let discs = [centre - aside, centre + aside];
             let neck = Neck::between(discs, &sampler);
-            let shares: Vec<f64> =
-                (0..lattice.len()).map(|i| share(&lattice, i, discs, 0.6 - 0.5 * open)).collect();
-            let found = neck.width(|i| shares[i]);
+            let frozen: Vec<f64> =
+                (0..lattice.len()).map(|i| 1.0 - share(&lattice, i, discs, 0.6 - 0.5 * open)).collect();
+            let found = neck.width(|i| frozen[i], || &frozen);
             // A share is known to a hundredth, and sides of six spacings are flatter than parabolas.
             let tolerance = 0.05 * 0.1;
             prop_assert!(found >= open - tolerance, "{found} for {open}");
@@ -175,7 +198,8 @@ mod tests {
     fn open_ground_is_wide_and_frozen_ground_is_closed() {
         let lattice = Lattice::new(&Domain::Ring { outer_radius: 1.6, sector: Sector::Whole }, 0.1);
         let neck = Neck::between([DVec2::new(-0.6, 0.0), DVec2::new(0.6, 0.1)], &Sampler::on(&lattice));
-        assert_eq!(neck.width(|_| 1.0), f64::INFINITY);
-        assert!(neck.width(|_| 0.0) <= 0.0);
+        let [none, all] = [0.0, 1.0].map(|frozen| vec![frozen; lattice.len()]);
+        assert_eq!(neck.width(|i| none[i], || &none), f64::INFINITY);
+        assert!(neck.width(|i| all[i], || &all) <= 0.0);
     }
 }

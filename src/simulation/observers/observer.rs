@@ -12,6 +12,7 @@ use frazil_core::space::domain::Domain;
 use frazil_record::RunResult;
 use frazil_scene::Scene;
 
+use super::joint::Readings;
 use super::sampler::Sampler;
 use crate::march::instants::outputs;
 use crate::reference::Reference;
@@ -24,7 +25,7 @@ pub trait Observer: Saved {
     fn observe(&mut self, view: &View<'_>);
     /// Whether something whose instant it tells has come about since the state that it saw last: where states within the step are
     /// known, it sees some of them then.
-    fn has_crossed(&self, _particles: &Particles) -> bool {
+    fn has_crossed(&self, _particles: &Particles, _fractions: &Fractions) -> bool {
         false
     }
     /// Puts what it has seen into what the run leaves.
@@ -138,7 +139,7 @@ pub(crate) struct View<'a> {
     pub(crate) fractions: Fractions,
 }
 
-/// Frozen fractions of all particles of a view, and their integral, once an observer has asked for them.
+/// Frozen fractions of all particles of a state, and their integral, once an observer has asked for them.
 #[derive(Debug, Default)]
 pub(crate) struct Fractions {
     column: OnceCell<Vec<f64>>,
@@ -151,6 +152,20 @@ impl Fractions {
     /// Those of no particles yet, where there is room.
     pub(crate) fn within(room: Vec<f64>) -> Self {
         Fractions { room: RefCell::new(room), ..Fractions::default() }
+    }
+
+    /// Those of all particles of the state.
+    pub(crate) fn of(&self, particles: &Particles) -> &[f64] {
+        self.column.get_or_init(|| {
+            let mut column = self.room.take();
+            particles.frozen_fractions(&mut column);
+            column
+        })
+    }
+
+    /// That of one particle of the state.
+    pub(crate) fn of_one(&self, particles: &Particles, index: usize) -> f64 {
+        self.column.get().map_or_else(|| particles.frozen_fraction(index), |column| column[index])
     }
 
     /// The room.
@@ -170,20 +185,12 @@ impl View<'_> {
         if !is_parted(self.scene) {
             return 0.0;
         }
-        let of_all = || {
-            let fractions = self.fractions();
-            self.particles.integral(|i| fractions[i])
-        };
-        *self.fractions.integral.get_or_init(of_all)
+        *self.fractions.integral.get_or_init(|| self.particles.integrals(self.fractions(), &[])[0])
     }
 
     /// Frozen fractions of all particles.
     pub(crate) fn fractions(&self) -> &[f64] {
-        self.fractions.column.get_or_init(|| {
-            let mut column = self.fractions.room.take();
-            self.particles.frozen_fractions(&mut column);
-            column
-        })
+        self.fractions.of(self.particles)
     }
 
     /// Whether profiles are kept at its time.
@@ -204,6 +211,8 @@ pub(crate) struct Setup<'a> {
     pub(crate) maps: bool,
     /// What the run is measured against.
     pub(crate) reference: Option<&'a Arc<dyn Reference>>,
+    /// What tells whether the frozen bodies of two pipes have joined.
+    pub(crate) readings: Readings,
 }
 
 impl<'a> Setup<'a> {

@@ -81,7 +81,7 @@ impl<'a> Sampler<'a> {
             return sample.0.iter().map(|(index, weight)| (self.place(*index as usize), *weight)).collect();
         }
         let there = |(column, row, _): &(i64, i64, f64)| self.folded(*column, *row).is_some();
-        let corners = self.corners(point).into_iter().filter(there);
+        let corners = self.corners(point).filter(there);
         corners.map(|(column, row, weight)| (self.lattice.centre(column, row), weight)).collect()
     }
 
@@ -97,6 +97,16 @@ impl<'a> Sampler<'a> {
         }
     }
 
+    /// Adds particles that a point is read from, with its share of them times a length (m).
+    pub(super) fn add(&self, place: DVec2, length: f64, lengths: &mut Vec<(u32, f64)>) {
+        let from = lengths.len();
+        match self.cloud.is_none() && self.parted.is_none() {
+            true => self.bilinear(place, lengths),
+            false => lengths.append(&mut self.sample(place).0),
+        }
+        lengths[from..].iter_mut().for_each(|entry| entry.1 *= length);
+    }
+
     /// Of these places of particles, which lie on the side of a point.
     fn beside(&self, point: DVec2, places: &[DVec2]) -> Vec<bool> {
         let Some((scene, time)) = self.parted else { return vec![true; places.len()] };
@@ -110,7 +120,11 @@ impl<'a> Sampler<'a> {
 
     /// Bilinear among the particles on the side of a point, or the nearest one there.
     fn on_lattice(&self, place: DVec2) -> Sample {
-        let whole = self.bilinear(place);
+        let mut whole = Sample(Vec::with_capacity(4));
+        self.bilinear(place, &mut whole.0);
+        if self.parted.is_none() {
+            return whole;
+        }
         let places: Vec<DVec2> = whole.0.iter().map(|entry| self.lattice.position(entry.0 as usize)).collect();
         let beside = self.beside(place, &places);
         if !beside.contains(&false) {
@@ -138,9 +152,9 @@ impl<'a> Sampler<'a> {
         own.min_by(|a, b| a.1.total_cmp(&b.1)).map(|entry| entry.0)
     }
 
-    /// The four cells around a point, folded at mirror planes and clamped at walls.
-    fn bilinear(&self, place: DVec2) -> Sample {
-        let mut entries: Vec<(u32, f64)> = Vec::with_capacity(4);
+    /// Adds the four cells around a point, folded at mirror planes and clamped at walls.
+    fn bilinear(&self, place: DVec2, entries: &mut Vec<(u32, f64)>) {
+        let from = entries.len();
         let mut missing = 0.0;
         for (column, row, weight) in self.corners(place) {
             match self.folded(column, row) {
@@ -149,21 +163,20 @@ impl<'a> Sampler<'a> {
             }
         }
         if missing > 0.0 && missing < 1.0 {
-            entries.iter_mut().for_each(|entry| entry.1 /= 1.0 - missing);
+            entries[from..].iter_mut().for_each(|entry| entry.1 /= 1.0 - missing);
         }
-        Sample(entries)
     }
 
     /// Columns and rows of the cells around a point, and their weights.
-    fn corners(&self, place: DVec2) -> Vec<(i64, i64, f64)> {
+    fn corners(&self, place: DVec2) -> impl Iterator<Item = (i64, i64, f64)> + use<> {
         let cells = self.lattice.to_cells(place);
         let base = cells.floor();
         let part = cells - base;
-        let corner = |(dx, dy): (i64, i64)| {
+        let corner = move |(dx, dy): (i64, i64)| {
             let weight = (if dx == 1 { part.x } else { 1.0 - part.x }) * (if dy == 1 { part.y } else { 1.0 - part.y });
             (base.x as i64 + dx, base.y as i64 + dy, weight)
         };
-        [(0, 0), (1, 0), (0, 1), (1, 1)].into_iter().map(corner).filter(|corner| corner.2 != 0.0).collect()
+        [(0, 0), (1, 0), (0, 1), (1, 1)].into_iter().map(corner).filter(|corner| corner.2 != 0.0)
     }
 
     /// The particle of a cell, folded at mirror planes and clamped at walls.

@@ -2,7 +2,6 @@
 //! the centre and how thick it is where it is weakest, and sections of it.
 
 use crate::recorded::Recorded;
-use frazil_core::boundary::pipe::Sink;
 use frazil_core::memory::total;
 use frazil_core::particles::Particles;
 use frazil_core::saved::{Pass, Saved};
@@ -13,10 +12,10 @@ use frazil_scene::{PipeName, Scene};
 use glam::DVec2;
 
 use super::alike::first_alike;
-use super::joint::{Joint, Way, is_sharp};
+use super::joint::{Joint, Way, is_same, is_sharp};
 use super::lengths::{Across, excess_between, mean_length};
 use super::loops::{closure, neighbours};
-use super::observer::{Cadence, End, Made, Moment, Observer, Schedule, Setup, View, room};
+use super::observer::{Cadence, End, Fractions, Made, Moment, Observer, Schedule, Setup, View, room};
 use super::passage::{Passage, PassageFinder};
 use super::rays::{Ray, rays};
 use super::sampler::{Sample, Sampler};
@@ -98,7 +97,7 @@ pub(super) fn of(setup: &Setup<'_>) -> Made {
         _ => return None,
     };
     let rays = rays(scene, &sampler);
-    let across = |ray: &Ray| Across::along(ray, scene, &sampler);
+    let across = |ray: &Ray| Across::along(ray, setup, &sampler);
     let mut wall = Wall {
         pipe_count: scene.rings.iter().map(|ring| ring.numbers().count()).sum(),
         images: setup.images(),
@@ -119,7 +118,7 @@ pub(super) fn of(setup: &Setup<'_>) -> Made {
         weakest: None,
     };
     if scene.watch.frozen_wall {
-        wall.link(scene, sector, &sampler, setup.pipes);
+        wall.link(setup, sector, &sampler);
         wall.planes.reserve_exact(4 * outputs);
     }
     (wall.rays[0].is_some() || !wall.places.is_empty()).then(|| Box::new(wall) as _)
@@ -127,13 +126,14 @@ pub(super) fn of(setup: &Setup<'_>) -> Made {
 
 impl Wall {
     /// Watches neighbouring pipes.
-    fn link(&mut self, scene: &Scene, sector: Sector, sampler: &Sampler<'_>, pipes: &[Sink]) {
+    fn link(&mut self, setup: &Setup<'_>, sector: Sector, sampler: &Sampler<'_>) {
+        let scene = setup.scene;
         for (number, ring) in scene.rings.iter().enumerate() {
             let place = |k: usize| Place { name: PipeName { ring: number, pipe: k }, at: ring.place(k) };
             self.places.extend(ring.numbers().map(place));
         }
         self.rings = vec![Sunk::default(); scene.rings.len()];
-        for sink in pipes {
+        for sink in setup.pipes {
             let pipe = &sink.extent;
             self.rings[pipe.ring].pipes.push(sink.clone());
             let inside = |i: &u32| sampler.lattice.position(*i as usize).distance(pipe.centre) <= pipe.half_width;
@@ -144,16 +144,12 @@ impl Wall {
         let mut joints: Vec<(usize, Option<usize>)> = Vec::new();
         for ends in neighbours(&stand) {
             let line = folded(ends.map(|end| self.places[end].at), sector);
-            let same = |a: DVec2, b: DVec2| a.distance(b) <= SAME_PLACE * scene.domain.extent();
-            let known = self.lines.iter().position(|other| {
-                (same(line[0], other[0]) && same(line[1], other[1]))
-                    || (same(line[0], other[1]) && same(line[1], other[0]))
-            });
+            let known = self.lines.iter().position(|other| is_same(line, *other, scene));
             let number = known.unwrap_or_else(|| {
                 self.lines.push(line);
                 self.excesses.push(self.finder.in_cells(&excess_between(line, sampler), sampler));
                 let middle = 0.5 * (line[0] + line[1]);
-                self.joints.push(Joint::between(line, sampler, self.sharp));
+                self.joints.push(Joint::between(line, setup, sampler));
                 joints.push((self.joints.len() - 1, None));
                 if (line[0].length() - line[1].length()).abs() <= SAME_PLACE * scene.domain.extent() {
                     let outwards = middle.normalize_or_zero();
@@ -223,7 +219,7 @@ impl Wall {
             let (radii, mut temperature) = refined(&ray.radii, &temperature);
             pipes.iter().for_each(|ring| ring.sharpen(ray.direction, &radii, &mut temperature));
             let face = particles.shaft.unwrap_or(0.0);
-            let (_, excess) = lines[0].frozen(particles, fractions, self.sharp);
+            let (_, excess) = lines[0].frozen(view, self.sharp);
             let ends = ends(&ray.radii, &fraction).and_then(|ends| narrowed(ends, excess));
             let ends = ends.map(|(inner, outer)| (inner.max(face), outer));
             self.planes.push(PlaneRow {
@@ -243,7 +239,7 @@ impl Wall {
             0.0 => 0.0,
             fraction => fraction * particles.frozen_reading(i),
         };
-        let weighted = particles.integral(weight) - excess;
+        let weighted = particles.integral_where(fractions, weight) - excess;
         let mean_temperature_c = (frozen > 0.0).then(|| weighted / frozen);
         self.planes.push(PlaneRow {
             time_s: time,
@@ -368,7 +364,7 @@ impl Wall {
 
     /// Takes thicknesses, what is frozen and what a pipe takes.
     fn row(&mut self, view: &View<'_>, stand: Option<(bool, f64)>) {
-        let length = |lines: &Vec<Across>| mean_length(lines, view.particles, view.fractions(), self.sharp);
+        let length = |lines: &Vec<Across>| mean_length(lines, view, self.sharp);
         let [main, interface] = self.across.each_ref().map(length);
         let heat = -view.ledger.rings().sum::<f64>();
         self.rows.push(WallRow {
@@ -457,7 +453,7 @@ impl Observer for Wall {
     fn observe(&mut self, view: &View<'_>) {
         if !matches!(view.moment, Moment::Output { .. }) {
             self.cadence.seen(view.time);
-            self.joints.iter_mut().for_each(|joint| joint.look(view.particles, self.sharp, view.time));
+            self.joints.iter_mut().for_each(|joint| joint.look(view, self.sharp));
             return;
         }
         let stand = self.stand(view);
@@ -469,8 +465,8 @@ impl Observer for Wall {
         }
     }
 
-    fn has_crossed(&self, particles: &Particles) -> bool {
-        self.joints.iter().any(|joint| joint.closes(particles, self.sharp))
+    fn has_crossed(&self, particles: &Particles, fractions: &Fractions) -> bool {
+        self.joints.iter().any(|joint| joint.closes(particles, fractions, self.sharp))
     }
 
     fn leave(self: Box<Self>, _: &End<'_>, result: &mut RunResult) {

@@ -44,12 +44,14 @@ pub(super) struct Arrivals {
     stack: Vec<u32>,
     /// Cells beside each other in a row that are swept, first and last.
     runs: Vec<(u32, u32)>,
+    /// Whether a cell beside this one has been arrived at earlier since this one was looked at.
+    is_due: Vec<bool>,
 }
 
 impl HeapSize for Arrivals {
     fn heap_size(&self) -> usize {
         // What holds one number for each cell, and at most one for each that the flood has come to.
-        let kept = 2 * size_of::<f64>() + size_of::<bool>() + 2 * size_of::<u32>();
+        let kept = 2 * size_of::<f64>() + 2 * size_of::<bool>() + 2 * size_of::<u32>();
         self.share.len() * kept
     }
 }
@@ -70,6 +72,7 @@ impl Arrivals {
             before: vec![NONE; cells],
             stack: Vec::with_capacity(cells),
             runs: Vec::new(),
+            is_due: vec![false; cells],
         }
     }
 
@@ -80,9 +83,11 @@ impl Arrivals {
 
     /// The cell at a place, if any.
     pub(super) fn cell(&self, place: DVec2) -> Option<usize> {
-        let cell = ((place - self.corner) / self.spacing).floor();
-        let inside = cell.cmpge(DVec2::ZERO).all() && (cell.x as usize) < self.columns && (cell.y as usize) < self.rows;
-        inside.then(|| cell.y as usize * self.columns + cell.x as usize)
+        let cell = (place - self.corner) / self.spacing;
+        // Whole numbers are cut off, and not rounded.
+        let (column, row) = (cell.x as usize, cell.y as usize);
+        let inside = cell.cmpge(DVec2::ZERO).all() && column < self.columns && row < self.rows;
+        inside.then(|| row * self.columns + column)
     }
 
     /// Middle of a cell (m).
@@ -116,6 +121,7 @@ impl Arrivals {
     pub(super) fn least_frozen(&mut self, far: f64) -> Way {
         self.arrival.fill(f64::INFINITY);
         self.flooded.fill(false);
+        self.is_due.fill(false);
         let start = self.start();
         if self.leads_out(start, far) {
             let last = self.open_way(start, far);
@@ -128,19 +134,21 @@ impl Arrivals {
     /// Fills ground around the centre in which nothing is frozen, from cell to cell, and goes on through open ground around it, also
     /// across corners; whether that comes to a cell beyond all frozen ground.
     fn leads_out(&mut self, start: usize, far: f64) -> bool {
+        self.stack.clear();
         if self.share[start] > 0.0 {
             self.arrival[start] = 0.5 * self.share[start] * self.spacing;
             self.before[start] = NONE;
+            self.flooded[start] = true;
+            self.stack.push(start as u32);
         } else {
             self.fill(start);
+        }
+        for known in 0..self.stack.len() {
+            self.beside(self.stack[known] as usize).into_iter().for_each(|at| self.is_due[at] = true);
         }
         let open = |share: f64| share < BARS;
         if !open(self.share[start]) {
             return false;
-        }
-        if self.stack.is_empty() {
-            self.stack.push(start as u32);
-            self.flooded[start] = true;
         }
         let mut next = 0;
         while let Some(at) = self.stack.get(next).map(|at| *at as usize) {
@@ -164,7 +172,6 @@ impl Arrivals {
     /// the rim of the pieces are left as where a flood goes on from.
     fn fill(&mut self, start: usize) {
         let is_empty = |finder: &Self, at: usize| finder.share[at] == 0.0 && finder.arrival[at] > 0.0;
-        self.stack.clear();
         let mut seeds = vec![start];
         let mut pieces = std::mem::take(&mut self.runs);
         pieces.clear();
@@ -230,6 +237,7 @@ impl Arrivals {
         }
         start
     }
+
     /// Sweeps from the centre; of the cells beyond all frozen ground the one that is reached at least cost.
     fn sweep(&mut self, start: usize, far: f64) -> usize {
         self.find_runs(far + 1.5 * self.spacing);
@@ -280,9 +288,13 @@ impl Arrivals {
         }
     }
 
-    /// Takes the arrival at a cell from those beside it; whether it is earlier than before.
+    /// Takes the arrival at a cell from those beside it, if any of these is earlier than when it was looked at last; whether it is
+    /// earlier than before.
     #[inline]
     fn reach(&mut self, at: usize) -> bool {
+        if !std::mem::take(&mut self.is_due[at]) {
+            return false;
+        }
         let cost = self.share[at] * self.spacing;
         let beside = self.beside(at);
         let arrivals = beside.map(|other| self.arrival[other]);
@@ -302,6 +314,9 @@ impl Arrivals {
         if earlier {
             self.arrival[at] = arrival;
             self.before[at] = arrivals.iter().position(|arrival| *arrival == low).map_or(NONE, |k| beside[k] as u32);
+            for (other, known) in beside.into_iter().zip(arrivals) {
+                self.is_due[other] |= known > arrival;
+            }
         }
         earlier
     }

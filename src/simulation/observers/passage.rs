@@ -93,15 +93,30 @@ impl PassageFinder {
         self.step() * self.straight(through).map(|at| self.cells.share[at]).sum::<f64>()
     }
 
-    /// Frozen length of the one body around a place, straight through it in a direction (m), as the ground was at the last passage.
-    pub(super) fn around(&self, place: DVec2, direction: DVec2) -> f64 {
-        let share =
-            |k: f64| self.cells.cell(place + k * self.step() * direction).map_or(0.0, |at| self.cells.share[at]);
-        let side = |sign: f64| {
-            let shares = (0..).map(|k| share(sign * (f64::from(k) + 0.5)));
-            shares.take_while(|share| *share > 0.0).sum::<f64>()
+    /// Cells from a place on straight in a direction and in the opposite one, with the length (m) of the way in each.
+    pub(super) fn both_ways(&self, place: DVec2, direction: DVec2) -> [Sample; 2] {
+        [1.0, -1.0].map(|sign| {
+            let steps = (0..).map(|k| place + sign * (f64::from(k) + 0.5) * self.step() * direction);
+            let mut cells: Vec<(u32, f64)> = Vec::new();
+            for at in steps.map_while(|place| self.cells.cell(place)) {
+                match cells.last_mut().filter(|last| last.0 == at as u32) {
+                    Some(last) => last.1 += self.step(),
+                    None => cells.push((at as u32, self.step())),
+                }
+            }
+            Sample(cells)
+        })
+    }
+
+    /// Frozen length (m) of the one body around a place on such ways, as the ground was at the last passage.
+    pub(super) fn around(&self, ways: &[Sample; 2]) -> f64 {
+        let share = |(at, length): &(u32, f64)| (self.cells.share[*at as usize], *length);
+        // Where there is no cell the share is NaN, which is not frozen.
+        let side = |way: &Sample| {
+            let pieces = way.0.iter().map(share).take_while(|(share, _)| *share > 0.0);
+            pieces.map(|(share, length)| share * length).sum::<f64>()
         };
-        self.step() * (side(1.0) + side(-1.0))
+        ways.iter().map(side).sum()
     }
 
     /// Mean temperature of the frozen ground on that way.

@@ -63,8 +63,8 @@ struct Wall {
     links: Vec<Link>,
     /// Lines between pipes, as mirrors bring them into the part of the plan that is run.
     lines: Vec<[DVec2; 2]>,
-    /// By how much frozen ground across the middle of each is read as too long, in cells of the finder.
-    excesses: Vec<Sample>,
+    /// By how much frozen ground across the middle of each is read as too long, and the ways there, in cells of the finder.
+    excesses: Vec<(Sample, [Sample; 2])>,
     joints: Vec<Joint>,
     /// Rings of pipes, as the wall around them is read.
     rings: Vec<Sunk>,
@@ -147,8 +147,10 @@ impl Wall {
             let known = self.lines.iter().position(|other| is_same(line, *other, scene));
             let number = known.unwrap_or_else(|| {
                 self.lines.push(line);
-                self.excesses.push(self.finder.in_cells(&excess_between(line, sampler), sampler));
                 let middle = 0.5 * (line[0] + line[1]);
+                let across = (line[1] - line[0]).perp().normalize_or(DVec2::X);
+                let excess = self.finder.in_cells(&excess_between(line, sampler), sampler);
+                self.excesses.push((excess, self.finder.both_ways(middle, across)));
                 self.joints.push(Joint::between(line, setup, sampler));
                 joints.push((self.joints.len() - 1, None));
                 if (line[0].length() - line[1].length()).abs() <= SAME_PLACE * scene.domain.extent() {
@@ -215,19 +217,22 @@ impl Wall {
         for ((plane, ray), lines) in planes {
             let Some(ray) = ray else { continue };
             let fraction: Vec<f64> = ray.samples.iter().map(|sample| sample.of(|i| fractions[i])).collect();
-            let temperature: Vec<f64> = ray.samples.iter().map(|sample| sample.of(|i| particles.reading(i))).collect();
-            let (radii, mut temperature) = refined(&ray.radii, &temperature);
-            pipes.iter().for_each(|ring| ring.sharpen(ray.direction, &radii, &mut temperature));
             let face = particles.shaft.unwrap_or(0.0);
             let (_, excess) = lines[0].frozen(view, self.sharp);
             let ends = ends(&ray.radii, &fraction).and_then(|ends| narrowed(ends, excess));
             let ends = ends.map(|(inner, outer)| (inner.max(face), outer));
+            let mean_temperature = |ends: (f64, f64)| {
+                let temperature = ray.samples.iter().map(|sample| sample.of(|i| particles.reading(i)));
+                let (radii, mut temperature) = refined(&ray.radii, &temperature.collect::<Vec<_>>());
+                pipes.iter().for_each(|ring| ring.sharpen(ray.direction, &radii, &mut temperature));
+                mean(&radii, &temperature, ends)
+            };
             self.planes.push(PlaneRow {
                 time_s: time,
                 plane: plane.into(),
                 inner_m: ends.map(|ends| ends.0),
                 outer_m: ends.map(|ends| ends.1),
-                mean_temperature_c: ends.and_then(|ends| mean(&radii, &temperature, ends)),
+                mean_temperature_c: ends.and_then(mean_temperature),
                 from: String::new(),
                 to: String::new(),
             });
@@ -324,14 +329,10 @@ impl Wall {
     /// By how much the wall is read as too thick where a way through it crosses a link (m): nothing where straight across the middle of
     /// the link it is thicker by more than that. Means over links that symmetry makes equal to it.
     fn excess(&self, link: usize, passage: &Passage) -> f64 {
-        let straight = |line: usize| {
-            let [a, b] = self.lines[line];
-            self.finder.around(0.5 * (a + b), (b - a).perp().normalize_or_zero())
-        };
-        let sums = self
-            .alike(link)
-            .map(|other| self.links[other].line)
-            .fold((0.0, 0.0), |sums, line| (sums.0 + self.finder.sum(&self.excesses[line]), sums.1 + straight(line)));
+        let lines = self.alike(link).map(|other| &self.excesses[self.links[other].line]);
+        let sums = lines.fold((0.0, 0.0), |sums, (excess, ways)| {
+            (sums.0 + self.finder.sum(excess), sums.1 + self.finder.around(ways))
+        });
         let count = self.alike(link).count() as f64;
         let (excess, straight) = (sums.0 / count, sums.1 / count);
         (excess - (straight - passage.thickness).max(0.0)).max(0.0)

@@ -8,6 +8,7 @@ use frazil::parts::parts_until;
 use frazil::run::{RunRequest, asked_of, folder_of};
 use frazil::seeds::ensemble_of;
 use frazil_layouts::LayoutRequest;
+use frazil_plots::canvas::Formats;
 use frazil_scene::{Setting, names};
 use frazil_studies::campaign::Shard;
 use frazil_studies::cheapest::CheapestRequest;
@@ -308,6 +309,7 @@ pub fn layout(
         shard: Shard::WHOLE,
         check: false,
         frames: false,
+        formats: Formats::SVG,
         out: Some(out.clone()),
         checkpoints: BETWEEN_CHECKPOINTS,
         quiet,

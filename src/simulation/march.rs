@@ -24,8 +24,8 @@ use frazil_scene::method::MethodSettings;
 
 use crate::checkpoint::{self, Header, Kept, identity};
 use crate::observers::Observers;
-use crate::observers::joint::Readings;
 use crate::observers::observer::{Fractions, Moment, Setup, View};
+use crate::observers::readings::Readings;
 use crate::plan::refusals::holdable;
 use crate::plan::{Plan, build, settings_of};
 use crate::reference::Reference;

@@ -6,9 +6,10 @@ use frazil_core::saved::{Pass, Saved};
 use frazil_core::space::domain::Domain;
 use frazil_record::{GapRow, RunResult};
 
-use super::joint::{Joint, is_sharp};
+use super::joint::Joint;
 use super::observer::{Cadence, End, Fractions, Instants, Made, Observer, Schedule, Setup, View, room};
 use super::rays::{Pair, following, pairs};
+use super::readings::is_sharp;
 
 struct Gaps {
     gaps: Vec<(GapRow, Joint)>,

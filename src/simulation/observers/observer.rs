@@ -12,7 +12,7 @@ use frazil_core::space::domain::Domain;
 use frazil_record::RunResult;
 use frazil_scene::Scene;
 
-use super::joint::Readings;
+use super::readings::Readings;
 use super::sampler::Sampler;
 use crate::march::instants::outputs;
 use crate::reference::Reference;

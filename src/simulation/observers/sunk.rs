@@ -9,7 +9,7 @@ use frazil_scene::Scene;
 use glam::DVec2;
 
 use super::pipe_walls::mean_wall_temperature;
-use super::wall::SAME_PLACE;
+use super::readings::SAME_PLACE;
 
 /// A ring of pipes sunk into particles.
 #[derive(Debug, Clone, Default)]

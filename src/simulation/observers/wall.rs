@@ -12,19 +12,17 @@ use frazil_scene::{PipeName, Scene};
 use glam::DVec2;
 
 use super::alike::first_alike;
-use super::joint::{Joint, Way, is_same, is_sharp};
+use super::joint::Joint;
 use super::lengths::{Across, excess_between, mean_length};
 use super::loops::{closure, neighbours};
 use super::observer::{Cadence, End, Fractions, Made, Moment, Observer, Schedule, Setup, View, room};
 use super::passage::{Passage, PassageFinder};
 use super::rays::{Ray, rays};
+use super::readings::{SAME_PLACE, Way, is_same, is_sharp};
 use super::sampler::{Sample, Sampler};
 use super::section::{ends, mean, narrowed, refined};
 use super::standing::Standing;
 use super::sunk::{FrozenIn, Sunk, frozen_in};
-
-/// Two places that are the same, over the size of the plan.
-pub(super) const SAME_PLACE: f64 = 1e-9;
 
 /// Two neighbouring pipes.
 #[derive(Debug, Clone)]

@@ -226,6 +226,20 @@ mod tests {
             prop_assert!((error - plain).abs() <= rounding * plain && (size - plain_size).abs() <= rounding * plain_size);
         }
 
+        /// On any vectors, and without asking for what is zero.
+        #[test]
+        fn sums_of_columns_have_the_bits_of_sums_of_terms(
+            values in prop::collection::vec(prop_oneof![8 => Just(0.0), 1 => -1e3_f64..1e3], 0..200),
+        ) {
+            let less: Vec<f64> = values.iter().map(|value| 0.3 * value + 1.0).collect();
+            let bits = |sums: [f64; 2]| sums.map(f64::to_bits);
+            let of = |term: &dyn Fn(usize) -> f64| [sum_of(values.len(), term), sum_of(values.len(), |i| term(i).abs())];
+            prop_assert_eq!(bits(sum_and_size(&values, &[])), bits(of(&|i| values[i])));
+            prop_assert_eq!(bits(sum_and_size(&values, &less)), bits(of(&|i| values[i] - less[i])));
+            let cubes = |i: usize| values[i].powi(3);
+            prop_assert_eq!(sum_where(&values, cubes).to_bits(), sum_of(values.len(), cubes).to_bits());
+        }
+
         /// Among terms that cancel, in whose rounding all others would be lost.
         #[test]
         fn sums_keep_their_rounding_errors(values in prop::collection::vec(-1000_i32..1000, 2..70), great in 0_usize..70) {

@@ -123,8 +123,9 @@ impl Arrivals {
         self.flooded.fill(false);
         self.is_due.fill(false);
         let start = self.start();
-        if self.leads_out(start, far) {
-            let last = self.open_way(start, far);
+        if self.leads_out(start, far)
+            && let Some(last) = self.open_way(start, far)
+        {
             return Way::Open(self.way(last));
         }
         let last = self.sweep(start, far);
@@ -146,26 +147,29 @@ impl Arrivals {
         for known in 0..self.stack.len() {
             self.beside(self.stack[known] as usize).into_iter().for_each(|at| self.is_due[at] = true);
         }
-        let open = |share: f64| share < BARS;
-        if !open(self.share[start]) {
-            return false;
-        }
+        self.share[start] < BARS && self.flood(far).is_some()
+    }
+
+    /// Goes through open ground from the cells that are known, also across corners, until it comes to one beyond all frozen ground. First
+    /// in, first out: the way that is found is a short one.
+    fn flood(&mut self, far: f64) -> Option<usize> {
         let mut next = 0;
         while let Some(at) = self.stack.get(next).map(|at| *at as usize) {
             next += 1;
             if self.place(at).length() >= far {
-                return true;
+                return Some(at);
             }
             let (up, down) = (at + self.columns, at - self.columns);
             for other in [at + 1, at - 1, up, down, up + 1, up - 1, down + 1, down - 1] {
                 // Where there is no cell the share is NaN, which is not open.
-                if !self.flooded[other] && open(self.share[other]) {
+                if !self.flooded[other] && self.share[other] < BARS {
                     self.flooded[other] = true;
+                    self.before[other] = at as u32;
                     self.stack.push(other as u32);
                 }
             }
         }
-        false
+        None
     }
 
     /// Fills cells from one on in which nothing is frozen, a row's piece at a time: nothing is the least frozen length to them. Those at
@@ -212,30 +216,14 @@ impl Arrivals {
         self.runs = pieces;
     }
 
-    /// A short way through open ground from the centre, also across corners, to a cell beyond all frozen ground.
-    fn open_way(&mut self, start: usize, far: f64) -> usize {
+    /// A short way through open ground from the centre to a cell beyond all frozen ground.
+    fn open_way(&mut self, start: usize, far: f64) -> Option<usize> {
         self.flooded.fill(false);
         self.stack.clear();
         self.stack.push(start as u32);
         self.flooded[start] = true;
         self.before[start] = NONE;
-        // First in, first out: the way that is found is a short one.
-        let mut next = 0;
-        while let Some(at) = self.stack.get(next).map(|at| *at as usize) {
-            next += 1;
-            if self.place(at).length() >= far {
-                return at;
-            }
-            let (up, down) = (at + self.columns, at - self.columns);
-            for other in [at + 1, at - 1, up, down, up + 1, up - 1, down + 1, down - 1] {
-                if !self.flooded[other] && self.share[other] < BARS {
-                    self.flooded[other] = true;
-                    self.before[other] = at as u32;
-                    self.stack.push(other as u32);
-                }
-            }
-        }
-        start
+        self.flood(far)
     }
 
     /// Sweeps from the centre; of the cells beyond all frozen ground the one that is reached at least cost.

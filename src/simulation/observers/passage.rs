@@ -54,8 +54,14 @@ impl PassageFinder {
     /// Over the cells of a lattice.
     pub(super) fn over(lattice: &Lattice) -> Self {
         let cells = Arrivals::over(lattice);
+        let mut particle = vec![u32::MAX; cells.share.len()];
+        for row in 0..lattice.rows {
+            let numbers = lattice.start(row) as u32..lattice.start(row + 1) as u32;
+            let at = cells.first(lattice.span(row).0, row);
+            particle[at..].iter_mut().zip(numbers).for_each(|(particle, number)| *particle = number);
+        }
         PassageFinder {
-            particle: vec![u32::MAX; cells.share.len()],
+            particle,
             cells,
             outermost: lattice.positions().into_iter().map(DVec2::length).fold(0.0, f64::max),
             frozen: 0.0,
@@ -168,9 +174,6 @@ impl PassageFinder {
             let ((first, end), start) = (lattice.span(row), lattice.start(row));
             let (at, row_of) = (self.cells.first(first, row), &fractions[start..start + end - first]);
             self.cells.share[at..at + row_of.len()].copy_from_slice(row_of);
-            for (particle, number) in self.particle[at..at + row_of.len()].iter_mut().zip(start as u32..) {
-                *particle = number;
-            }
             let ends = row_of.iter().position(is_frozen).zip(row_of.iter().rposition(is_frozen));
             for column in ends.into_iter().flat_map(|(left, right)| [left, right]) {
                 farthest = farthest.max(lattice.centre((first + column) as i64, row as i64).length_squared());

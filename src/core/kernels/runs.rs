@@ -362,7 +362,8 @@ mod tests {
         (pairs, count)
     }
 
-    /// What the pairs of a list give its particles, one by one, and the sum of their sizes.
+    /// What the pairs of a list give its particles, one by one, and the sum of the sizes of what is rounded: both parts of a
+    /// pair, which may cancel.
     fn one_by_one(pairs: &PairList, (count, total): (usize, usize), term: &Shaken, fields: &Fields) -> Vec<(f64, f64)> {
         let row = |i: usize| {
             let mut sums = (0.0, 0.0);
@@ -371,8 +372,8 @@ mod tests {
                 let conducted = fields.potential[j] - fields.potential[i];
                 let (names, indices) = ((i as u32, j as u32), (i, j));
                 let view = PairView { names, stream: 0, weight, conducted, between: None, indices, fields };
-                let flux = weight * conducted + term.add(&view);
-                sums = (sums.0 + flux, sums.1 + flux.abs());
+                let (conducted, added) = (weight * conducted, term.add(&view));
+                sums = (sums.0 + (conducted + added), sums.1 + conducted.abs() + added.abs());
             }
             sums
         };

@@ -10,7 +10,7 @@ use std::time::Instant;
 
 use glam::DVec2;
 
-use crate::balances::groundwater::aquifer::{Aquifer, Warmth};
+use crate::balances::groundwater::aquifer::Aquifer;
 use crate::balances::groundwater::carrier::{Carrier, Ground};
 use crate::balances::groundwater::cuts::CutPaths;
 use crate::balances::groundwater::error::GroundwaterError;
@@ -18,7 +18,7 @@ use crate::balances::groundwater::ground::Flow;
 use crate::balances::groundwater::network::Network;
 use crate::balances::groundwater::numerics::FlowNumerics;
 use crate::balances::groundwater::pressure::Pressure;
-use crate::balances::groundwater::tasks::each;
+use crate::balances::groundwater::tasks::{each, tasks};
 use crate::balances::groundwater::velocity::velocities;
 use crate::boundary::patch::Face;
 use crate::ledger::Sum;
@@ -115,8 +115,11 @@ impl Groundwater {
     /// Fills the temperatures.
     fn warm(&mut self, enthalpy: &[f64]) {
         let Groundwater { temperature, aquifers, materials, team, .. } = self;
-        each(team.as_ref(), temperature, |i, temperature| {
-            *temperature = aquifers[materials.index(i)].warmth.at(enthalpy[i]);
+        tasks(team.as_ref(), temperature, |first, temperatures| {
+            for (run, _) in materials.runs(first..first + temperatures.len()) {
+                let aquifer = &aquifers[materials.index(run.start)];
+                aquifer.fill_temperatures(&enthalpy[run.clone()], &mut temperatures[run.start - first..run.end - first]);
+            }
         });
     }
 
@@ -331,10 +334,7 @@ impl HeapSize for Groundwater {
         let more = [&self.asked, &self.asking];
         let columns: usize = columns.iter().chain(&more).map(|column| column.heap_size()).sum();
         let parts = self.network.heap_size() + self.pressure.heap_size() + self.carrier.heap_size();
-        let tables = self.aquifers.iter().map(|aquifer| match &aquifer.warmth {
-            Warmth::Exact(thermal) => size_of_val(&**thermal),
-            Warmth::Table { table, .. } => table.heap_size(),
-        });
+        let tables = self.aquifers.iter().map(HeapSize::heap_size);
         let cuts = self.cuts.as_ref().map_or(0, |cuts| cuts.heap_size());
         columns + parts + tables.sum::<usize>() + cuts + shared(&self.passes) + self.materials.of_particle.heap_size()
     }

@@ -19,18 +19,18 @@ fn fill_each<L: PotentialLaw>(law: &L, enthalpy: &[f64], potentials: &mut [f64])
 }
 
 impl Materials {
-    /// Runs of neighbouring particles of one law, of so many.
-    pub(super) fn runs(&self, count: usize) -> impl Iterator<Item = (Range<usize>, &Thermal)> + '_ {
-        let mut first = 0;
+    /// Runs of neighbouring particles of one law, among some.
+    pub(crate) fn runs(&self, among: Range<usize>) -> impl Iterator<Item = (Range<usize>, &Thermal)> + '_ {
+        let (mut first, end) = (among.start, among.end);
         std::iter::from_fn(move || {
-            let run = first..if self.mixed() { self.end_of_run(first, count) } else { count };
+            let run = first..if self.mixed() { self.end_of_run(first, end) } else { end };
             first = run.end;
             (!run.is_empty()).then(|| (run.clone(), self.of(run.start)))
         })
     }
 
-    fn end_of_run(&self, first: usize, count: usize) -> usize {
-        (first..count).find(|particle| self.law(*particle) != self.law(first)).unwrap_or(count)
+    fn end_of_run(&self, first: usize, end: usize) -> usize {
+        (first..end).find(|particle| self.law(*particle) != self.law(first)).unwrap_or(end)
     }
 }
 
@@ -53,7 +53,7 @@ impl Law {
 
 impl Thermal {
     /// Temperatures of many particles from the enthalpies that they carry; of water the pressure heads (m).
-    pub(super) fn fill_temperatures(&self, enthalpy: &[f64], temperatures: &mut [f64]) {
+    pub(crate) fn fill_temperatures(&self, enthalpy: &[f64], temperatures: &mut [f64]) {
         if self.is_kinked() {
             return self::temperatures(self, enthalpy, temperatures);
         }

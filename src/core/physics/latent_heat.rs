@@ -197,7 +197,7 @@ impl Saved for Enthalpy {
 impl SchemeState for Enthalpy {
     fn read(&self, materials: &Materials, enthalpy: &[f64], fields: &mut Fields) {
         let Fields { potential, temperature, conductivity } = fields;
-        for (run, thermal) in materials.runs(enthalpy.len()) {
+        for (run, thermal) in materials.runs(0..enthalpy.len()) {
             let enthalpy = &enthalpy[run.clone()];
             if !potential.is_empty() {
                 thermal.law.fill(enthalpy, &mut potential[run.clone()]);

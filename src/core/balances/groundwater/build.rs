@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use super::{Groundwater, WaterLedger};
 use crate::balances::groundwater::advected::AdvectedHeat;
-use crate::balances::groundwater::aquifer::{Aquifer, Warmth};
+use crate::balances::groundwater::aquifer::Aquifer;
 use crate::balances::groundwater::bend::Bend;
 use crate::balances::groundwater::carrier::Carrier;
 use crate::balances::groundwater::cuts::CutPaths;
@@ -197,13 +197,7 @@ fn aquifers(ground: &[Material], materials: &Materials, viscosity: f64) -> Resul
     let aquifer = |(material, thermal): (&Material, &Thermal)| {
         let pores = material.pores.ok_or_else(|| GroundwaterError::NoPores(material.name.clone()))?;
         let permeability = pores.permeability.ok_or_else(|| GroundwaterError::NoPermeability(material.name.clone()))?;
-        Ok(Aquifer {
-            warmth: Warmth::new(thermal),
-            thermal: thermal.clone(),
-            pores,
-            open: permeability / viscosity,
-            by_enthalpy: material.is_sharp(),
-        })
+        Ok(Aquifer::new(thermal, pores, permeability / viscosity, material.is_sharp()))
     };
     ground.iter().zip(materials.thermals.iter()).map(aquifer).collect()
 }

@@ -118,7 +118,8 @@ impl Groundwater {
         tasks(team.as_ref(), temperature, |first, temperatures| {
             for (run, _) in materials.runs(first..first + temperatures.len()) {
                 let aquifer = &aquifers[materials.index(run.start)];
-                aquifer.fill_temperatures(&enthalpy[run.clone()], &mut temperatures[run.start - first..run.end - first]);
+                aquifer
+                    .fill_temperatures(&enthalpy[run.clone()], &mut temperatures[run.start - first..run.end - first]);
             }
         });
     }

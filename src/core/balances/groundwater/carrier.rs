@@ -409,12 +409,9 @@ impl Carrier {
 
     /// Gradients of the temperature: half of the sum, as the second moment of weights is twice the unit matrix.
     fn slope(&mut self, network: &Network, state: &State<'_>) {
-        each(state.team, &mut self.gradients, |i, gradient| {
-            let own = state.temperature[i];
-            let paths = network.starts[i]..network.starts[i + 1];
-            let rise = |k: usize| state.temperature[network.partners[k] as usize] - own;
-            *gradient = paths.map(|k| rise(k) * network.arms[k]).sum();
-        });
+        let Carrier { gradients, columns: [places, ..], .. } = self;
+        network.slopes(state.team, (&network.weights, state.temperature), places, gradients);
+        gradients.iter_mut().for_each(|gradient| *gradient *= 0.5);
         for (opening, wall) in network.openings.iter().zip(state.openings) {
             let (own, image) = (opening.particle as usize, opening.image as usize);
             let image = state.temperature[image];

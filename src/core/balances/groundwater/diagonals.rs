@@ -166,6 +166,18 @@ impl Diagonals {
         }
     }
 
+    /// Fills a column, from particle `first` on, with the sums over the paths of each particle of how much what is in `places` rises along
+    /// them, times their factors and the vectors of their diagonals.
+    pub(super) fn slopes(
+        &self,
+        (factors, reaches): (&[f64], &[DVec2]),
+        places: &[f64],
+        first: usize,
+        slopes: &mut [DVec2],
+    ) {
+        self::slopes(self, factors, reaches, places, first, slopes);
+    }
+
     /// Fills a column, from particle `first` on, with the sums over the paths of each particle of a term of `columns`, as it is seen
     /// from the earlier end (`true`) or from the later.
     pub(super) fn sums(
@@ -181,6 +193,7 @@ impl Diagonals {
 
 widest!(gather, gather_rows<EXCHANGE, BENDS, CORRECTED>, (own: &Diagonals, carried: &Carried<'_>, fields: &Fields<'_>, first: usize, rows: &mut [Row]));
 widest!(carry, carry_rows<EXCHANGE>, (own: &Diagonals, carried: &[f64], exchange: &[f64], temperature: &[f64], first: usize, rates: &mut [f64]));
+widest!(slopes, slope_rows, (own: &Diagonals, factors: &[f64], reaches: &[DVec2], places: &[f64], first: usize, slopes: &mut [DVec2]));
 widest!(sums, sum_rows[F: Fn([f64; 3], bool) -> f64], (own: &Diagonals, term: &F, columns: [&[f64]; 3], first: usize, out: &mut [f64]));
 
 /// A particle's own part of [`Fields`].
@@ -349,6 +362,35 @@ fn carry_rows<const EXCHANGE: bool>(
         }
         for (rate, gain) in rates.iter_mut().zip(gain) {
             *rate += gain;
+        }
+    }
+}
+
+#[inline(always)]
+fn slope_rows(
+    diagonals: &Diagonals,
+    factors: &[f64],
+    reaches: &[DVec2],
+    places: &[f64],
+    first: usize,
+    slopes: &mut [DVec2],
+) {
+    for Stretch { before, at, count } in diagonals.places.stretches(first, slopes.len()).flat_map(blocks) {
+        let own = lanes(places, at);
+        let (mut x, mut y) = ([0.0; LANES], [0.0; LANES]);
+        for ((number, offset), reach) in diagonals.offsets.iter().enumerate().zip(reaches) {
+            let place = number * diagonals.stride + at;
+            let (higher, lower) = (lanes(places, at + offset), lanes(places, at - offset));
+            let (forth, back) = (lanes(factors, place), lanes(factors, place - offset));
+            for lane in 0..LANES {
+                // Seen from either end a path rises the same way.
+                let rise = forth[lane] * (higher[lane] - own[lane]) + back[lane] * (own[lane] - lower[lane]);
+                x[lane] += rise * reach.x;
+                y[lane] += rise * reach.y;
+            }
+        }
+        for (slope, (x, y)) in slopes[before..before + count].iter_mut().zip(x.into_iter().zip(y)) {
+            *slope = DVec2::new(x, y);
         }
     }
 }

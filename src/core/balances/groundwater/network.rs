@@ -21,6 +21,9 @@ use crate::space::wall::PatchId;
 /// Walls that a body can have.
 pub const MOST_WALLS: usize = 4;
 
+/// Distance of two arms, over their length, up to which they are the same but for rounding of places.
+const SAME_ARM: f64 = 1e-9;
+
 /// No path: an opening whose image is its own particle.
 pub const NONE: u32 = u32::MAX;
 
@@ -56,6 +59,19 @@ pub struct WayOut {
     pub way: DVec2,
 }
 
+/// A path on a diagonal whose vector is not the diagonal's.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bent {
+    /// The particle that sees it so.
+    pub from: u32,
+    /// The other end.
+    pub to: u32,
+    /// Its place in the columns that both directions share.
+    pub slot: u32,
+    /// What its vector is more (m).
+    pub more: DVec2,
+}
+
 /// Paths in compressed rows, in both directions, with partners in order. What both directions share stands in columns by
 /// slot.
 #[derive(Debug, Clone, Default)]
@@ -79,8 +95,12 @@ pub struct Network {
     pub least_conductances: Vec<f64>,
     /// Weight (m^-2) of the images alone that follow their particles, by slot; empty where conduction is not corrected.
     pub even_weights: Vec<f64>,
-    /// Mean vector of the path, a way over a closed wall as it is seen from this end, times half of the weight for water (1/m).
+    /// Mean vector of the path (m), a way over a closed wall as it is seen from this end; empty on diagonals.
     pub arms: Vec<DVec2>,
+    /// Vector (m) of the paths of each diagonal, from the earlier particle.
+    pub reaches: Vec<DVec2>,
+    /// Paths on diagonals with another one.
+    pub bent: Vec<Bent>,
     /// The part of the mean vector (m) that both ends see alike, from the earlier particle, by slot.
     pub spans: Vec<DVec2>,
     /// Pairs across walls of given pressure, by particle.
@@ -95,7 +115,8 @@ impl HeapSize for Network {
     fn heap_size(&self) -> usize {
         let rows = total(&[&self.starts, &self.laters, &self.partners, &self.slots]);
         let openings = self.openings.capacity() * size_of::<Opening>();
-        let weights = total(&[&self.weights, &self.least_conductances, &self.even_weights, &self.arms, &self.spans]);
+        let arms = self.bent.capacity() * size_of::<Bent>() + total(&[&self.arms, &self.reaches]);
+        let weights = arms + total(&[&self.weights, &self.least_conductances, &self.even_weights, &self.spans]);
         let places = self.diagonals.as_ref().map_or(0, |diagonals| diagonals.places.heap_size());
         rows + weights + openings + places + total(&[&self.patches, &self.beside])
     }
@@ -182,9 +203,7 @@ impl Network {
         network.beside.dedup();
         network.pair_up(positions)?;
         network.weights = network.by_slot(&weights.water);
-        for (arm, slot) in network.arms.iter_mut().zip(&network.slots) {
-            *arm *= 0.5 * network.weights[*slot as usize];
-        }
+        network.straighten();
         let mut conductances = network.by_slot(&weights.heat);
         network.each_path(|i, j, slot| conductances[slot] *= least_conductivities[i].min(least_conductivities[j]));
         if !factors.is_empty() {
@@ -318,6 +337,35 @@ impl Network {
         Ok(())
     }
 
+    /// On diagonals, keeps of all arms what those of a diagonal have alike, and the others.
+    fn straighten(&mut self) {
+        let Some(diagonals) = &self.diagonals else { return };
+        let diagonal = |slot: u32| slot as usize / diagonals.stride;
+        let is_same = |a: DVec2, b: DVec2| a.distance(b) <= SAME_ARM * a.length();
+        self.reaches = vec![DVec2::ZERO; diagonals.offsets.len()];
+        for i in 0..self.len() {
+            for k in self.laters[i]..self.starts[i + 1] {
+                let (arm, slot) = (self.arms[k], self.slots[k]);
+                let reach = &mut self.reaches[diagonal(slot)];
+                // Both ends see it alike.
+                if *reach == DVec2::ZERO && is_same(arm, self.spans[slot as usize]) {
+                    *reach = arm;
+                }
+            }
+        }
+        for i in 0..self.len() {
+            for k in self.starts[i]..self.starts[i + 1] {
+                let (arm, slot) = (self.arms[k], self.slots[k]);
+                let reach = self.reaches[diagonal(slot)];
+                let reach = if k < self.laters[i] { -reach } else { reach };
+                if !is_same(arm, reach) {
+                    self.bent.push(Bent { from: i as u32, to: self.partners[k], slot, more: arm - reach });
+                }
+            }
+        }
+        self.arms = Vec::new();
+    }
+
     /// What the earlier particle of each path says of it, by slot.
     fn by_slot(&self, values: &[f64]) -> Vec<f64> {
         let mut column = vec![0.0; self.places];
@@ -422,3 +470,6 @@ impl Opening {
         self.multiples.iter().zip(walls).map(|(multiple, pressure)| multiple * pressure).sum()
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,7 +1,9 @@
 //! What all paths have, and what the paths of each particle have together.
 
+use glam::DVec2;
+
 use crate::balances::groundwater::network::Network;
-use crate::balances::groundwater::tasks::{TASK, share, tasks};
+use crate::balances::groundwater::tasks::{TASK, each, share, tasks};
 use crate::team::Team;
 
 impl Network {
@@ -56,5 +58,30 @@ impl Network {
             sums[i] += term(columns, true);
             sums[j] += term(columns, false);
         });
+    }
+
+    /// Fills a column of particles with the sums over their paths of how much a field rises along them, times their factors by slot and
+    /// their vectors (m); `places` takes the field, on diagonals. Where there is no path the factor must be zero.
+    pub(super) fn slopes(
+        &self,
+        team: Option<&Team>,
+        (factors, field): (&[f64], &[f64]),
+        places: &mut [f64],
+        slopes: &mut [DVec2],
+    ) {
+        let Some(diagonals) = &self.diagonals else {
+            return each(team, slopes, |i, slope| {
+                let paths = self.starts[i]..self.starts[i + 1];
+                let rise = |k: usize| factors[self.slots[k] as usize] * (field[self.partners[k] as usize] - field[i]);
+                *slope = paths.map(|k| rise(k) * self.arms[k]).sum();
+            });
+        };
+        diagonals.places.spread(field, places);
+        let places = &*places;
+        tasks(team, slopes, |first, slopes| diagonals.slopes((factors, &self.reaches), places, first, slopes));
+        for bent in &self.bent {
+            let (i, j) = (bent.from as usize, bent.to as usize);
+            slopes[i] += factors[bent.slot as usize] * (field[j] - field[i]) * bent.more;
+        }
     }
 }

@@ -9,17 +9,10 @@ use crate::balances::groundwater::pressure::Pressure;
 pub fn velocities(network: &Network, pressure: &Pressure) -> Vec<DVec2> {
     // The second moment of weights is twice the unit matrix: half of the sum is the velocity.
     let values = &pressure.pressure;
-    let mut found: Vec<DVec2> = (0..network.len())
-        .map(|i| {
-            let paths = network.paths(i).zip(&network.arms[network.starts[i]..network.starts[i + 1]]);
-            // A path to an image behind an opening alone has no weight.
-            let open = paths.filter(|((_, slot, _), _)| network.weights[*slot] > 0.0);
-            open.map(|((j, slot, _), arm)| {
-                pressure.conductances[slot] / network.weights[slot] * (values[i] - values[j]) * *arm
-            })
-            .sum()
-        })
-        .collect();
+    let mut found = vec![DVec2::ZERO; network.len()];
+    let mut places = network.diagonals.as_ref().map_or(Vec::new(), |diagonals| vec![0.0; diagonals.padded()]);
+    network.slopes(None, (&pressure.conductances, values), &mut places, &mut found);
+    found.iter_mut().for_each(|slope| *slope *= -0.5);
     for (opening, conductance) in network.openings.iter().zip(&pressure.mouths) {
         let (own, image) = (values[opening.particle as usize], values[opening.image as usize]);
         let water = conductance * (own - opening.sign * image - pressure.wall_parts(opening));

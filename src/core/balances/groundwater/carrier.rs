@@ -17,7 +17,7 @@ mod limit;
 
 use glam::DVec2;
 
-use crate::balances::groundwater::diagonals::sum;
+use crate::balances::groundwater::diagonals::{BENT, sum};
 use crate::balances::groundwater::network::{NONE, Network};
 use crate::balances::groundwater::numerics::Advection;
 use crate::balances::groundwater::pressure::Pressure;
@@ -69,10 +69,9 @@ pub struct Carrier {
     sums: Vec<f64>,
     limits_now: bool,
     exchanges: bool,
-    /// Whether gradients are used, the gradients, and what paths make of them, by slot.
+    /// Whether gradients are used, and the gradients.
     bends: bool,
     gradients: Vec<DVec2>,
-    bent: [Vec<f64>; 2],
     /// What conduction does to each particle, times what a bend is worth (W/m); empty where it is not corrected.
     conducted: Vec<f64>,
     /// Columns with room on both sides, on diagonals.
@@ -100,7 +99,6 @@ impl Saved for Carrier {
             &mut self.exchanges,
             &mut self.bends,
             &mut self.gradients,
-            &mut self.bent,
         ]);
         for mouth in &mut self.mouths {
             pass.all(&mut [&mut mouth.inflow, &mut mouth.outflow]);
@@ -111,7 +109,7 @@ impl Saved for Carrier {
 impl HeapSize for Carrier {
     fn heap_size(&self) -> usize {
         let rows = self.rows.capacity() * size_of::<Row>() + self.mouths.capacity() * size_of::<Mouth>();
-        let more = self.bent.iter().chain(&self.columns).map(HeapSize::heap_size).sum::<usize>();
+        let more = self.columns.iter().map(HeapSize::heap_size).sum::<usize>();
         let beside = self.beside_walls.capacity() * size_of::<(u32, u32, u32)>() + 2 * self.marked.capacity();
         let paths = total(&[&self.exchange, &self.sums, &self.beside, &self.carried, &self.conducted]);
         rows + paths + more + beside + total(&[&self.kept, &self.mouth_of, &self.limits])
@@ -266,12 +264,6 @@ impl Carrier {
         self.bends = may_bend && self.carried.iter().zip(conducted).any(outruns);
         self.limits_now = limited && (self.bends || self.exchanges);
         self.gradients.resize(if self.bends { network.len() } else { 0 }, DVec2::ZERO);
-        if self.bends {
-            for (axis, bent) in self.bent.iter_mut().enumerate() {
-                bent.clear();
-                bent.extend(network.spans.iter().zip(&self.carried).map(|(span, carried)| carried / 3.0 * span[axis]));
-            }
-        }
         let sums = &mut self.sums;
         for mouth in &self.mouths {
             sums[mouth.particle as usize] += ground.capacity * mouth.inflow;
@@ -404,7 +396,7 @@ impl Carrier {
             return conducted;
         }
         let rise = self.gradients[j] - self.gradients[i];
-        conducted + (self.bent[0][slot] * rise.x + self.bent[1][slot] * rise.y)
+        conducted + self.carried[slot] * (BENT * network.spans[slot]).dot(rise)
     }
 
     /// Gradients of the temperature: half of the sum, as the second moment of weights is twice the unit matrix.

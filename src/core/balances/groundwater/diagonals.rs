@@ -26,6 +26,9 @@ const MOST: usize = 128;
 /// Share of the places of all diagonals that paths must fill.
 const FILLED: f64 = 0.5;
 
+/// How much of the rise of the gradients along it a path carries less than the mean of its ends, over what it carries and its span.
+pub(super) const BENT: f64 = 1.0 / 3.0;
+
 /// The diagonals of a body.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Diagonals {
@@ -51,8 +54,8 @@ pub struct Carried<'a> {
     pub weights: &'a [f64],
     /// Weights of what conduction corrects (m^-2).
     pub even: &'a [f64],
-    /// Weights of what gradients correct.
-    pub bends: [&'a [f64]; 2],
+    /// Vectors of the diagonals (m), where gradients correct.
+    pub reaches: &'a [DVec2],
 }
 
 /// What particles hold, with room on both sides.
@@ -144,7 +147,7 @@ impl Diagonals {
 
     /// What each particle gains, what limits may take, and what lies nearest around it; `first` is the first of the rows.
     pub(super) fn gather(&self, carried: &Carried<'_>, fields: &Fields<'_>, first: usize, rows: &mut [Row]) {
-        let (exchange, bends) = (!carried.exchange.is_empty(), !carried.bends[0].is_empty());
+        let (exchange, bends) = (!carried.exchange.is_empty(), !carried.reaches.is_empty());
         match (exchange, bends, !carried.even.is_empty()) {
             (false, false, false) => gather::<false, false, false>(self, carried, fields, first, rows),
             (false, false, true) => gather::<false, false, true>(self, carried, fields, first, rows),
@@ -268,6 +271,7 @@ fn gather_stretch<const EXCHANGE: bool, const BENDS: bool, const CORRECTED: bool
 ) {
     let blocks = || (0..count).step_by(LANES);
     for (number, offset) in diagonals.offsets.iter().enumerate() {
+        let bent = if BENDS { BENT * carried.reaches[number] } else { DVec2::ZERO };
         for block in blocks() {
             let at = first + block;
             let own = Own::at::<BENDS, CORRECTED>(fields, at);
@@ -283,7 +287,6 @@ fn gather_stretch<const EXCHANGE: bool, const BENDS: bool, const CORRECTED: bool
                 let water = lanes(carried.carried, place);
                 let exchange = if EXCHANGE { lanes(carried.exchange, place) } else { [0.0; LANES] };
                 let even = if CORRECTED { lanes(carried.even, place) } else { [0.0; LANES] };
-                let bends = if BENDS { carried.bends.map(|column| lanes(column, place)) } else { [[0.0; LANES]; 2] };
                 for lane in 0..LANES {
                     let rise = other.temperature[lane] - own.temperature[lane];
                     // Water to a partner brings none of its heat.
@@ -294,8 +297,8 @@ fn gather_stretch<const EXCHANGE: bool, const BENDS: bool, const CORRECTED: bool
                         back += even[lane] * (own.conducted[lane] - other.conducted[lane]);
                     }
                     if BENDS {
-                        back += bends[0][lane] * (other.gradients[0][lane] - own.gradients[0][lane])
-                            + bends[1][lane] * (other.gradients[1][lane] - own.gradients[1][lane]);
+                        let rise = [0, 1].map(|axis| other.gradients[axis][lane] - own.gradients[axis][lane]);
+                        back += water[lane] * (bent.x * rise[0] + bent.y * rise[1]);
                     }
                     if EXCHANGE {
                         gain[lane] += exchange[lane] * rise;

@@ -101,6 +101,8 @@ pub struct Network {
     pub reaches: Vec<DVec2>,
     /// Paths on diagonals with another one.
     pub bent: Vec<Bent>,
+    /// Particles, on diagonals, with a path whose span is not the vector of its diagonal.
+    pub aside: Vec<u32>,
     /// The part of the mean vector (m) that both ends see alike, from the earlier particle, by slot.
     pub spans: Vec<DVec2>,
     /// Pairs across walls of given pressure, by particle.
@@ -115,7 +117,7 @@ impl HeapSize for Network {
     fn heap_size(&self) -> usize {
         let rows = total(&[&self.starts, &self.laters, &self.partners, &self.slots]);
         let openings = self.openings.capacity() * size_of::<Opening>();
-        let arms = self.bent.capacity() * size_of::<Bent>() + total(&[&self.arms, &self.reaches]);
+        let arms = self.bent.capacity() * size_of::<Bent>() + total(&[&self.arms, &self.reaches, &self.aside]);
         let weights = arms + total(&[&self.weights, &self.least_conductances, &self.even_weights, &self.spans]);
         let places = self.diagonals.as_ref().map_or(0, |diagonals| diagonals.places.heap_size());
         rows + weights + openings + places + total(&[&self.patches, &self.beside])
@@ -361,8 +363,12 @@ impl Network {
                 if !is_same(arm, reach) {
                     self.bent.push(Bent { from: i as u32, to: self.partners[k], slot, more: arm - reach });
                 }
+                if !is_same(self.spans[slot as usize], self.reaches[diagonal(slot)]) {
+                    self.aside.push(i as u32);
+                }
             }
         }
+        self.aside.dedup();
         self.arms = Vec::new();
     }
 

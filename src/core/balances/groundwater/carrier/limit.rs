@@ -36,35 +36,43 @@ impl Carrier {
             exchange: when(self.exchanges, &self.exchange),
             weights: &network.weights,
             even: when(!self.conducted.is_empty(), &network.even_weights),
-            bends: [when(self.bends, &self.bent[0]), when(self.bends, &self.bent[1])],
+            reaches: if self.bends { &network.reaches } else { &[] },
         };
         let fields = Fields { temperature, enthalpy, conducted, gradients: [x, y] };
         tasks(state.team, rows, |first, rows| diagonals.gather(&carried, &fields, first, rows));
+        if self.bends {
+            for i in &network.aside {
+                rows[*i as usize] = self.row_by_paths(network, state, *i as usize);
+            }
+        }
     }
 
     fn gather_paths(&self, network: &Network, state: &State<'_>, rows: &mut [Row]) {
-        each(state.team, rows, |i, row| {
-            let (own, enthalpy) = (state.temperature[i], state.enthalpy[i]);
-            *row = Row::around(enthalpy);
-            let mut warmest = (own, i);
-            let mut coldest = (own, i);
-            for (j, slot, later) in network.paths(i) {
-                let rise = state.temperature[j] - own;
-                row.gain += self.factor(slot, later) * rise;
-                let exchange = if self.exchanges { self.exchange[slot] } else { 0.0 };
-                row.add(self.bend(network, i, j, slot) - exchange * rise);
-                if !state.mixed {
-                    row.see(state.enthalpy[j]);
-                } else {
-                    warmest = if state.temperature[j] > warmest.0 { (state.temperature[j], j) } else { warmest };
-                    coldest = if state.temperature[j] < coldest.0 { (state.temperature[j], j) } else { coldest };
-                }
+        each(state.team, rows, |i, row| *row = self.row_by_paths(network, state, i));
+    }
+
+    fn row_by_paths(&self, network: &Network, state: &State<'_>, i: usize) -> Row {
+        let (own, enthalpy) = (state.temperature[i], state.enthalpy[i]);
+        let mut row = Row::around(enthalpy);
+        let mut warmest = (own, i);
+        let mut coldest = (own, i);
+        for (j, slot, later) in network.paths(i) {
+            let rise = state.temperature[j] - own;
+            row.gain += self.factor(slot, later) * rise;
+            let exchange = if self.exchanges { self.exchange[slot] } else { 0.0 };
+            row.add(self.bend(network, i, j, slot) - exchange * rise);
+            if !state.mixed {
+                row.see(state.enthalpy[j]);
+            } else {
+                warmest = if state.temperature[j] > warmest.0 { (state.temperature[j], j) } else { warmest };
+                coldest = if state.temperature[j] < coldest.0 { (state.temperature[j], j) } else { coldest };
             }
-            if state.mixed {
-                row.see((state.enthalpy_at)(i, warmest.0));
-                row.see((state.enthalpy_at)(i, coldest.0));
-            }
-        });
+        }
+        if state.mixed {
+            row.see((state.enthalpy_at)(i, warmest.0));
+            row.see((state.enthalpy_at)(i, coldest.0));
+        }
+        row
     }
 
     /// How much of the exchange may be taken back at each particle; marks those where it is not all.

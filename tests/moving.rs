@@ -54,7 +54,7 @@ fn a_liquid_freezes_from_a_wall_and_keeps_its_energy() {
 fn threads_and_reruns_give_the_same_bits() {
     let scene = scene(
         bundled("solidification-square"),
-        &[("time.duration", "1"), ("time.profiles", "[1]"), ("watch.front_from", "0.5")],
+        &[("time.duration", "0.4"), ("time.profiles", "[0.4]"), ("watch.front_from", "0.2")],
     );
     let hash = |threads, seed| run(&scene, threads, seed).record.state_hash;
     let one = hash(1, 1);

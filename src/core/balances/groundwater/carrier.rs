@@ -399,11 +399,10 @@ impl Carrier {
         conducted + self.carried[slot] * (BENT * network.spans[slot]).dot(rise)
     }
 
-    /// Gradients of the temperature: half of the sum, as the second moment of weights is twice the unit matrix.
+    /// Gradients of the temperature.
     fn slope(&mut self, network: &Network, state: &State<'_>) {
         let Carrier { gradients, columns: [places, ..], .. } = self;
         network.slopes(state.team, (&network.weights, state.temperature), places, gradients);
-        gradients.iter_mut().for_each(|gradient| *gradient *= 0.5);
         for (opening, wall) in network.openings.iter().zip(state.openings) {
             let (own, image) = (opening.particle as usize, opening.image as usize);
             let image = state.temperature[image];

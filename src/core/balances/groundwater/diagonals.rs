@@ -169,7 +169,7 @@ impl Diagonals {
         }
     }
 
-    /// Fills a column, from particle `first` on, with the sums over the paths of each particle of how much what is in `places` rises along
+    /// Fills a column, from particle `first` on, with half of the sums over the paths of each particle of how much what is in `places` rises along
     /// them, times their factors and the vectors of their diagonals.
     pub(super) fn slopes(
         &self,
@@ -393,7 +393,7 @@ fn slope_rows(
             }
         }
         for (slope, (x, y)) in slopes[before..before + count].iter_mut().zip(x.into_iter().zip(y)) {
-            *slope = DVec2::new(x, y);
+            *slope = 0.5 * DVec2::new(x, y);
         }
     }
 }

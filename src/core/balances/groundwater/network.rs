@@ -61,7 +61,7 @@ pub struct WayOut {
 
 /// A path on a diagonal whose vector is not the diagonal's.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Bent {
+pub struct OddArm {
     /// The particle that sees it so.
     pub from: u32,
     /// The other end.
@@ -99,8 +99,8 @@ pub struct Network {
     pub arms: Vec<DVec2>,
     /// Vector (m) of the paths of each diagonal, from the earlier particle.
     pub reaches: Vec<DVec2>,
-    /// Paths on diagonals with another one.
-    pub bent: Vec<Bent>,
+    /// Arms on diagonals that are not their diagonal's.
+    pub odd_arms: Vec<OddArm>,
     /// Particles, on diagonals, with a path whose span is not the vector of its diagonal.
     pub aside: Vec<u32>,
     /// The part of the mean vector (m) that both ends see alike, from the earlier particle, by slot.
@@ -117,7 +117,7 @@ impl HeapSize for Network {
     fn heap_size(&self) -> usize {
         let rows = total(&[&self.starts, &self.laters, &self.partners, &self.slots]);
         let openings = self.openings.capacity() * size_of::<Opening>();
-        let arms = self.bent.capacity() * size_of::<Bent>() + total(&[&self.arms, &self.reaches, &self.aside]);
+        let arms = self.odd_arms.capacity() * size_of::<OddArm>() + total(&[&self.arms, &self.reaches, &self.aside]);
         let weights = arms + total(&[&self.weights, &self.least_conductances, &self.even_weights, &self.spans]);
         let places = self.diagonals.as_ref().map_or(0, |diagonals| diagonals.places.heap_size());
         rows + weights + openings + places + total(&[&self.patches, &self.beside])
@@ -359,12 +359,16 @@ impl Network {
             for k in self.starts[i]..self.starts[i + 1] {
                 let (arm, slot) = (self.arms[k], self.slots[k]);
                 let reach = self.reaches[diagonal(slot)];
+                // What no water passes has no part in any sum.
+                if self.weights[slot as usize] == 0.0 {
+                    continue;
+                }
+                if !is_same(self.spans[slot as usize], reach) {
+                    self.aside.push(i as u32);
+                }
                 let reach = if k < self.laters[i] { -reach } else { reach };
                 if !is_same(arm, reach) {
-                    self.bent.push(Bent { from: i as u32, to: self.partners[k], slot, more: arm - reach });
-                }
-                if !is_same(self.spans[slot as usize], self.reaches[diagonal(slot)]) {
-                    self.aside.push(i as u32);
+                    self.odd_arms.push(OddArm { from: i as u32, to: self.partners[k], slot, more: arm - reach });
                 }
             }
         }

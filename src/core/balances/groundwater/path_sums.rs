@@ -60,8 +60,9 @@ impl Network {
         });
     }
 
-    /// Fills a column of particles with the sums over their paths of how much a field rises along them, times their factors by slot and
-    /// their vectors (m); `places` takes the field, on diagonals. Where there is no path the factor must be zero.
+    /// Fills a column of particles with half of the sums over their paths of how much a field rises along them, times their factors by
+    /// slot and their vectors (m): the gradients of the field by weights, whose second moment is twice the unit matrix. `places` takes the
+    /// field, on diagonals. Where there is no path the factor must be zero.
     pub(super) fn slopes(
         &self,
         team: Option<&Team>,
@@ -69,19 +70,18 @@ impl Network {
         places: &mut [f64],
         slopes: &mut [DVec2],
     ) {
+        let half = |slot: u32, i: usize, j: u32| 0.5 * factors[slot as usize] * (field[j as usize] - field[i]);
         let Some(diagonals) = &self.diagonals else {
             return each(team, slopes, |i, slope| {
                 let paths = self.starts[i]..self.starts[i + 1];
-                let rise = |k: usize| factors[self.slots[k] as usize] * (field[self.partners[k] as usize] - field[i]);
-                *slope = paths.map(|k| rise(k) * self.arms[k]).sum();
+                *slope = paths.map(|k| half(self.slots[k], i, self.partners[k]) * self.arms[k]).sum();
             });
         };
         diagonals.places.spread(field, places);
         let places = &*places;
         tasks(team, slopes, |first, slopes| diagonals.slopes((factors, &self.reaches), places, first, slopes));
-        for bent in &self.bent {
-            let (i, j) = (bent.from as usize, bent.to as usize);
-            slopes[i] += factors[bent.slot as usize] * (field[j] - field[i]) * bent.more;
+        for odd in &self.odd_arms {
+            slopes[odd.from as usize] += half(odd.slot, odd.from as usize, odd.to) * odd.more;
         }
     }
 }

@@ -45,7 +45,7 @@ proptest! {
         let by_arms = |network: &Network, i: usize| {
             let terms = (network.starts[i]..network.starts[i + 1]).map(|k| {
                 let rise = values[network.partners[k] as usize] - values[i];
-                network.weights[network.slots[k] as usize] * rise * network.arms[k]
+                0.5 * network.weights[network.slots[k] as usize] * rise * network.arms[k]
             });
             terms.fold((DVec2::ZERO, 0.0), |(sum, size), term| (sum + term, size + term.length()))
         };

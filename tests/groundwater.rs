@@ -6,6 +6,7 @@ use frazil_core::space::domain::{Domain, Sector};
 use frazil_scene::Scene;
 use frazil_scene::method::MethodKind;
 use frazil_simulation::march::{self, Options};
+use frazil_simulation::plan;
 use glam::DVec2;
 
 use crate::sketch::{SHARP, Sketch, advance, bundled, even};
@@ -256,5 +257,43 @@ fn a_ring_in_groundwater_closes_upstream_last_on_the_day_of_the_table() {
         let days = result.links.iter().map(|link| (link.closure_s.expect("closed"), link.x_m));
         let weakest = days.max_by(|a, b| a.0.total_cmp(&b.0)).expect("gaps");
         assert!(weakest.1 < -4.5, "{}: the gap at x = {} m", kind.name, weakest.1);
+    }
+}
+
+/// Water goes on as it has changed, so that pressures which stand for a while are wrong by the second order of how long; where ice
+/// takes up more room than water, from shorter times on.
+#[test]
+fn pressures_that_stand_are_of_second_order() {
+    // Euler's steps are below this one.
+    let step = 1.0;
+    let at_end = |expands: &str, steps: f64| {
+        let interval = ((steps - 0.5) * step).to_string();
+        let changes = [
+            // Wide enough for no particle to thaw within one interval.
+            ("materials.sand.freezing.width_K", "10"),
+            ("flow.relative_permeability.impedance", "5"),
+            ("flow.density_change", expands),
+            ("method.local.spacing_m", "0.01"),
+            ("method.local.integrator", "\"euler\""),
+            ("method.local.pressure_change", "1"),
+            ("method.local.pressure_interval_s", &interval),
+        ];
+        let scene = bundled("thawing-inclusion", &changes);
+        let settings = scene.methods.iter().find(|settings| settings.method == "local").expect("a method");
+        let mut plan = plan::build(&scene, settings, None, 1, 1).unwrap_or_else(|refused| unreachable!("{refused}"));
+        assert!(plan.step > step, "{}", plan.step);
+        plan.step = step;
+        advance(&mut plan, 640);
+        plan.particles.enthalpy.clone()
+    };
+    for (expands, steps) in [("false", [32.0, 16.0, 8.0]), ("true", [8.0, 4.0, 2.0])] {
+        let exact = at_end(expands, 1.0);
+        let errors = steps.map(|steps| {
+            let found = at_end(expands, steps);
+            let squares: f64 = found.iter().zip(&exact).map(|(found, exact)| (found - exact).powi(2)).sum();
+            squares.sqrt()
+        });
+        // A first order would halve them.
+        assert!(errors[0] > 3.0 * errors[1] && errors[1] > 3.0 * errors[2], "expands {expands}: {errors:?}");
     }
 }

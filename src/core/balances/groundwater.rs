@@ -13,10 +13,11 @@ use glam::DVec2;
 use crate::balances::groundwater::aquifer::Aquifer;
 use crate::balances::groundwater::carrier::{Carrier, Ground};
 use crate::balances::groundwater::cuts::CutPaths;
+use crate::balances::groundwater::displaced::Displaced;
 use crate::balances::groundwater::error::GroundwaterError;
 use crate::balances::groundwater::ground::Flow;
 use crate::balances::groundwater::network::Network;
-use crate::balances::groundwater::numerics::FlowNumerics;
+use crate::balances::groundwater::numerics::{Advection, FlowNumerics};
 use crate::balances::groundwater::pressure::Pressure;
 use crate::balances::groundwater::tasks::{each, tasks};
 use crate::balances::groundwater::velocity::velocities;
@@ -36,6 +37,7 @@ mod build;
 pub mod carrier;
 mod cuts;
 pub mod diagonals;
+mod displaced;
 pub mod error;
 pub mod ground;
 mod matrix;
@@ -50,8 +52,7 @@ pub mod velocity;
 
 pub use build::FlowParts;
 
-/// Intervals between solutions for the pressure grow at most by this factor: the water that ice has taken or given
-/// meanwhile is made up for over the next interval.
+/// Intervals between solutions for the pressure grow at most by this factor where ice displaces water.
 const GROWTH: f64 = 2.0;
 
 /// Water so far, by volume of the body (m^d).
@@ -93,11 +94,7 @@ struct Groundwater {
     steepness: Vec<f64>,
     conductivity: Vec<f64>,
     walls: Vec<f64>,
-    /// Unfrozen fractions at the start, water asked for by volume so far, and what is asked for now (1/s): empty where
-    /// ice is as dense as water.
-    started: Vec<f64>,
-    asked: Vec<f64>,
-    asking: Vec<f64>,
+    displaced: Displaced,
     last_solution: f64,
     interval: f64,
     /// How long (s) the last solution may stand.
@@ -148,9 +145,11 @@ impl Groundwater {
         self.warm(enthalpy);
         self.permeate(enthalpy);
         let cut = self.cut(time)?;
-        let due = cut || self.is_due(time);
+        let jumps = (0..self.walls.len()).any(|wall| self.wall_pressure(wall, time) != self.walls[wall]);
+        let due = self.is_due(time) || cut || jumps;
         if due {
-            self.solve(time, enthalpy)?;
+            let goes_on = !cut && !jumps && self.numerics.advection != Advection::Paper;
+            self.solve(time, enthalpy, goes_on)?;
         }
         Ok(due)
     }
@@ -172,9 +171,8 @@ impl Groundwater {
         let allowed = self.numerics.pressure_change * self.across;
         let lasts = if changed > 0.0 { since * allowed / changed } else { f64::INFINITY };
         self.lasts = lasts.min(self.numerics.pressure_interval);
-        let expands = !self.asked.is_empty() && since >= GROWTH * self.interval;
-        let jumps = || (0..self.walls.len()).any(|wall| self.wall_pressure(wall, time) != self.walls[wall]);
-        since >= self.numerics.pressure_interval || expands || jumps() || changed > allowed
+        let expands = !self.displaced.is_none() && since >= GROWTH * self.interval;
+        since >= self.numerics.pressure_interval || expands || changed > allowed
     }
 
     /// The pressure of a wall (Pa), at y = 0.
@@ -182,8 +180,9 @@ impl Groundwater {
         self.flow.walls[wall].pressure.at(time) + self.lifts[wall]
     }
 
-    /// Solves for the pressure at a time (s), for what the state is now.
-    fn solve(&mut self, time: f64, enthalpy: &[f64]) -> Result<(), GroundwaterError> {
+    /// Solves for the pressure at a time (s), for what the state is now. Where water goes on as it has changed since the last
+    /// solution, it is that of the middle of the time until the next.
+    fn solve(&mut self, time: f64, enthalpy: &[f64], goes_on: bool) -> Result<(), GroundwaterError> {
         let began = Instant::now();
         for i in 0..self.conductivity.len() {
             self.conductivity[i] = self.aquifer(i).open * self.permeability[i];
@@ -195,23 +194,24 @@ impl Groundwater {
             self.walls[wall] = self.wall_pressure(wall, time);
         }
         self.interval = time - self.last_solution;
-        if !self.asked.is_empty() && self.interval > 0.0 {
-            for i in 0..self.asking.len() {
-                let aquifer = self.aquifer(i);
-                let taken =
-                    aquifer.expansion() * (aquifer.unfrozen(enthalpy[i], self.temperature[i]) - self.started[i]);
-                let open = self.cuts.as_ref().is_none_or(|cuts| cuts.is_open(i));
-                self.asking[i] = if open { (taken - self.asked[i]) / (GROWTH * self.interval) } else { 0.0 };
-            }
+        if self.interval > 0.0 {
+            let Groundwater { displaced, aquifers, materials, temperature, cuts, interval, .. } = self;
+            let comes = |i| cuts.as_ref().is_none_or(|cuts| cuts.is_open(i));
+            displaced.ask(*interval, GROWTH, comes, |i, started| {
+                let aquifer = &aquifers[materials.index(i)];
+                aquifer.expansion() * (aquifer.unfrozen(enthalpy[i], temperature[i]) - started)
+            });
         }
         self.last_solution = time;
-        let asking = (!self.asking.is_empty()).then_some(&self.asking[..]);
-        let Groundwater { network, conductivity, walls, carrier, numerics, .. } = self;
-        self.pressure.solve(network, conductivity, walls, asking, carrier.passing, numerics.mean)?;
+        // Half of the time until the next solution, which is as long as that since the last, or shorter where much has changed.
+        let ahead = if goes_on { (self.lasts / self.interval).min(0.5) } else { 0.0 };
+        let Groundwater { network, conductivity, walls, carrier, numerics, displaced, .. } = self;
+        let displaced = displaced.solve_for(ahead);
+        self.pressure.solve(network, conductivity, walls, displaced, carrier.passing, numerics.mean)?;
         self.solved.clone_from(&self.permeability);
         self.pressure.steepness(&self.network, &self.permeability, &mut self.steepness);
         let warm: Vec<bool> = (0..self.walls.len()).map(|wall| self.wall_temperature(wall).is_some()).collect();
-        let ground = Ground { capacity: self.capacity, warm: &warm, team: self.team.as_ref() };
+        let ground = Ground { capacity: self.capacity, warm: &warm, team: self.team.as_ref(), ahead };
         self.carrier.take(&self.network, &self.pressure, &ground, self.numerics.advection);
         self.seconds += began.elapsed().as_secs_f64();
         Ok(())
@@ -233,10 +233,8 @@ impl Groundwater {
             self.ledger.walls[mouth.wall as usize].add(volume * (mouth.inflow - mouth.outflow));
             self.ledger.exchanged.add(volume * (mouth.inflow + mouth.outflow));
         }
-        for (asked, asking) in self.asked.iter_mut().zip(&self.asking) {
-            *asked += step * asking;
-            self.ledger.asked.add(volume * asking);
-        }
+        let Groundwater { displaced, ledger, .. } = self;
+        displaced.book(step, |asking| ledger.asked.add(volume * asking));
     }
 
     /// Where it stands.
@@ -255,7 +253,7 @@ impl Groundwater {
             let unfrozen = 1.0 - particles.frozen_fraction(i);
             ice.add(self.volume * aquifer.pores.porosity * (1.0 - unfrozen));
             liquid.add(self.volume * aquifer.pores.porosity * unfrozen);
-            if let Some(started) = self.started.get(i) {
+            if let Some(started) = self.displaced.started.get(i) {
                 taken.add(self.volume * aquifer.expansion() * (unfrozen - started));
             }
         }
@@ -309,8 +307,7 @@ impl Saved for Groundwater {
             &mut self.solved,
             &mut self.steepness,
             &mut self.walls,
-            &mut self.asked,
-            &mut self.asking,
+            &mut self.displaced,
             &mut self.last_solution,
             &mut self.interval,
             &mut self.lasts,
@@ -323,17 +320,9 @@ impl Saved for Groundwater {
 
 impl HeapSize for Groundwater {
     fn heap_size(&self) -> usize {
-        let columns = [
-            &self.temperature,
-            &self.permeability,
-            &self.solved,
-            &self.steepness,
-            &self.conductivity,
-            &self.started,
-            &self.heights,
-        ];
-        let more = [&self.asked, &self.asking];
-        let columns: usize = columns.iter().chain(&more).map(|column| column.heap_size()).sum();
+        let columns =
+            [&self.temperature, &self.permeability, &self.solved, &self.steepness, &self.conductivity, &self.heights];
+        let columns = columns.iter().map(|column| column.heap_size()).sum::<usize>() + self.displaced.heap_size();
         let parts = self.network.heap_size() + self.pressure.heap_size() + self.carrier.heap_size();
         let tables = self.aquifers.iter().map(HeapSize::heap_size);
         let cuts = self.cuts.as_ref().map_or(0, |cuts| cuts.heap_size());

@@ -55,6 +55,11 @@ impl Control {
         self.next
     }
 
+    /// Whether a step's error is no more than is allowed, both by the sum of magnitudes of enthalpies (J/m3).
+    pub fn is_small(&self, error: f64, state: f64) -> bool {
+        error <= self.tolerance * self.most_heat.max(state)
+    }
+
     /// Judges a step of length `step` (s) that moved particles to `state` with the estimated `error`, both by the sum
     /// of magnitudes of enthalpies (J/m3); `allowed` is what the step was cut to by others.
     pub fn judge(&mut self, step: f64, error: f64, state: f64) -> Judgement {

@@ -30,6 +30,13 @@ const BEYOND: f64 = 1.001;
 /// Half height of the stable region, by stages: an ellipse over its whole length is stable up to here from three stages on.
 const HALF_HEIGHT: f64 = 0.37;
 
+/// How far a long step must reach for each evaluation, over a step of Euler, to be worth its error: no step reaches farther beside water
+/// that carries heat faster.
+const WORTH: f64 = 1.25;
+
+/// Estimated error of a step of Euler, over that of a long step, from which it is too much: as many more of them are made.
+const OF_EULER: f64 = 10.0;
+
 /// Runge-Kutta-Legendre of second order (Meyer, Balsara and Aslam 2014): s stages reach (s^2 + s - 2) / 4 Euler
 /// steps. Stable, but not monotone: a full step right after a jump leaves the range of the data, so steps grow from
 /// Euler's: by a fixed factor, or as the estimated error allows.
@@ -142,19 +149,22 @@ impl Rkl2 {
         (facts.bound.step * Self::reach(stages)).min(by_turning)
     }
 
+    /// Whether water carries heat so fast that steps of Euler are cheaper than stages.
+    fn is_outrun(&self) -> bool {
+        let facts = self.balance.facts();
+        HALF_HEIGHT < WORTH * facts.bound.step * facts.turning
+    }
+
     /// The chain of stages of one step from `start`; the result is left in `old`.
     fn chain(&mut self, start: &[f64], clock: &Clock, stages: usize) {
         let Clock { time, step, .. } = *clock;
         let s = stages as f64;
         let w1 = 4.0 / (s * s + s - 2.0);
+        self.begin(start, clock);
         let b = |j: usize| {
             let j = j as f64;
             if j < 2.0 { 1.0 / 3.0 } else { (j * j + j - 2.0) / (2.0 * j * (j + 1.0)) }
         };
-        if self.first_holds_at != Some(time) {
-            self.balance.rates(start, clock, &mut self.first_rate, &mut self.patches.first);
-            self.work.evaluations += 1;
-        }
         let by_first = b(1) * w1 * step;
         self.older.copy_from_slice(start);
         for (old, (start, rate)) in self.old.iter_mut().zip(start.iter().zip(&self.first_rate)) {
@@ -197,25 +207,61 @@ impl Rkl2 {
         self.work.evaluations += stages as u64 - 1;
     }
 
-    /// Makes a step of at most `clock.step` from `start` by Heun's rule, a mean of two steps of Euler, which keeps the range of the
-    /// data; the result is left in `old`. Returns the step (s).
-    fn keep_range(&mut self, start: &[f64], clock: &Clock) -> f64 {
-        let step = self.balance.cut(clock.step);
-        let Rkl2 { balance, older, old, first_rate, last_rate, patches, work, .. } = self;
-        for (older, (start, rate)) in older.iter_mut().zip(start.iter().zip(first_rate.iter())) {
-            *older = start + step * rate;
+    /// Fills the rates at the start of a step.
+    fn begin(&mut self, start: &[f64], clock: &Clock) {
+        if self.first_holds_at != Some(clock.time) {
+            self.balance.rates(start, clock, &mut self.first_rate, &mut self.patches.first);
+            self.work.evaluations += 1;
         }
-        let end = Clock { time: just_before(clock.time, step), step, ..*clock };
-        balance.rates(older, &end, last_rate, &mut patches.last);
-        for ((old, older), (start, rate)) in old.iter_mut().zip(older.iter()).zip(start.iter().zip(last_rate.iter())) {
-            *old = 0.5 * (start + (older + step * rate));
+    }
+
+    /// Makes a step of Euler of at most `clock.step` from `start`, with the rates at its end; the result is left in `old`. Returns the
+    /// step (s).
+    fn euler(&mut self, start: &[f64], clock: &Clock) -> f64 {
+        self.begin(start, clock);
+        let step = self.balance.cut(clock.step);
+        let Rkl2 { old, first_rate, patches, .. } = self;
+        for (old, (start, rate)) in old.iter_mut().zip(start.iter().zip(first_rate.iter())) {
+            *old = start + step * rate;
+        }
+        for (heat, first) in patches.old.iter_mut().zip(&patches.first) {
+            *heat = step * first;
+        }
+        self.end(clock, step);
+        step
+    }
+
+    /// Turns a step of Euler into one by Heun's rule, a mean of two steps of Euler, which keeps the range of the data.
+    fn mend(&mut self, start: &[f64], clock: &Clock, step: f64) {
+        let Rkl2 { old, last_rate, patches, .. } = self;
+        for (old, (start, rate)) in old.iter_mut().zip(start.iter().zip(last_rate.iter())) {
+            *old = 0.5 * (start + (*old + step * rate));
         }
         for ((heat, first), last) in patches.old.iter_mut().zip(&patches.first).zip(&patches.last) {
             *heat = 0.5 * step * (first + last);
         }
-        balance.rates(old, &end, last_rate, &mut patches.last);
-        work.evaluations += 2;
-        work.limited_steps += 1;
+        self.end(clock, step);
+    }
+
+    /// Fills the rates at the end of a step (s), for one that may be longer.
+    fn end(&mut self, clock: &Clock, step: f64) {
+        let next = step.max(START * self.balance.step_bound());
+        let end = Clock { time: just_before(clock.time, step), step: next, ..*clock };
+        self.balance.rates(&self.old, &end, &mut self.last_rate, &mut self.patches.last);
+        self.work.evaluations += 1;
+    }
+
+    /// Makes a step of at most `clock.step` where water outruns stages: one of Euler, or, where its error is no longer small, by
+    /// Heun's rule. Returns the step (s).
+    fn walk(&mut self, particles: &Particles, clock: &Clock) -> f64 {
+        let start = &particles.enthalpy;
+        let step = self.euler(start, clock);
+        let (error, size) = self.error(start, step, &particles.volumes);
+        let size = taken_up(&self.old, &particles.start, size);
+        let Pace::Controlled { control, .. } = &self.pace else { return step };
+        if !control.is_small(OF_EULER * error, size) {
+            self.mend(start, clock, step);
+        }
         step
     }
 
@@ -244,6 +290,19 @@ impl Rkl2 {
         sums
     }
 
+    /// Keeps a step (s) whose result is in `old`; returns it.
+    fn keep(&mut self, state: &mut Vec<f64>, time: f64, step: f64) -> f64 {
+        // The state of two stages back is not needed any more: its column keeps the start of the step.
+        std::mem::swap(&mut self.older, state);
+        std::mem::swap(&mut self.old, state);
+        self.last_step = step;
+        std::mem::swap(&mut self.first_rate, &mut self.last_rate);
+        std::mem::swap(&mut self.patches.first, &mut self.patches.last);
+        self.first_holds_at = Some(time + step);
+        self.book(step);
+        step
+    }
+
     fn book(&mut self, step: f64) {
         for (patch, heat) in self.patches.old.iter().enumerate() {
             self.ledger.book(patch, *heat, step);
@@ -268,10 +327,10 @@ impl Solver for Rkl2 {
     }
 
     fn make_step(&mut self, particles: &mut Particles, clock: &Clock) -> Result<f64, StepError> {
-        let (state, volumes) = (&mut particles.enthalpy, &particles.volumes);
         if clock.turned {
             self.first_holds_at = None;
         }
+        let state = &mut particles.enthalpy;
         if let Pace::Fixed { stages, steps } = &mut self.pace {
             *steps = steps.saturating_add(1);
             let stages = *stages;
@@ -282,6 +341,12 @@ impl Solver for Rkl2 {
             self.book(step);
             return Ok(step);
         }
+        if self.is_outrun() {
+            let step = clock.step.min(START * self.balance.step_bound());
+            let step = self.walk(particles, &Clock { step, ..*clock });
+            return Ok(self.keep(&mut particles.enthalpy, clock.time, step));
+        }
+        let (state, volumes) = (&mut particles.enthalpy, &particles.volumes);
         let mut step = clock.step;
         if self.balance.companion().is_some() {
             step = step.min(self.longest(self.most()));
@@ -291,9 +356,7 @@ impl Solver for Rkl2 {
             let attempt = Clock { step, ..*clock };
             self.chain(state, &attempt, self.stages(step));
             self.first_holds_at = Some(clock.time);
-            let end = Clock { time: just_before(clock.time, step), ..attempt };
-            self.balance.rates(&self.old, &end, &mut self.last_rate, &mut self.patches.last);
-            self.work.evaluations += 1;
+            self.end(&attempt, step);
             let (error, size) = self.error(state, step, volumes);
             let size = taken_up(&self.old, &particles.start, size);
             let Pace::Controlled { control, range, .. } = &mut self.pace else { return Ok(step) };
@@ -309,20 +372,13 @@ impl Solver for Rkl2 {
                 control.judge(step, error, size)
             };
             if leaves && judgement == Judgement::Keep {
-                step = self.keep_range(state, &attempt);
+                // Heun's rule keeps the range of the data.
+                step = self.euler(state, &attempt);
+                self.mend(state, &attempt, step);
+                self.work.limited_steps += 1;
             }
             match judgement {
-                Judgement::Keep => {
-                    // The state of two stages back is not needed any more: its column keeps the start of the step.
-                    std::mem::swap(&mut self.older, state);
-                    std::mem::swap(&mut self.old, state);
-                    self.last_step = step;
-                    std::mem::swap(&mut self.first_rate, &mut self.last_rate);
-                    std::mem::swap(&mut self.patches.first, &mut self.patches.last);
-                    self.first_holds_at = Some(clock.time + step);
-                    self.book(step);
-                    return Ok(step);
-                }
+                Judgement::Keep => return Ok(self.keep(state, clock.time, step)),
                 Judgement::Again(shorter) => {
                     self.work.rejected_steps += 1;
                     step = shorter;
@@ -341,6 +397,9 @@ impl Solver for Rkl2 {
                 let grown = self.balance.step_bound() * GROWTH.powi((*steps).min(1000));
                 let longest = self.balance.companion().map_or(f64::INFINITY, |_| self.longest(*stages));
                 grown.min(longest).min(self.balance.companion_lasts())
+            }
+            Pace::Controlled { .. } if self.is_outrun() => {
+                (START * self.balance.step_bound()).min(self.balance.companion_lasts())
             }
             Pace::Controlled { most, control, .. } => {
                 control.next().min(self.longest(*most)).min(self.balance.companion_lasts())

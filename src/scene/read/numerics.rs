@@ -33,9 +33,9 @@ const RKL2_TOLERANCE_ON_A_LINE: f64 = 1e-5;
 const RKL2_TOLERANCE_BESIDE_WATER: f64 = 1e-3;
 const IMPLICIT_TOLERANCE: f64 = 1e-3;
 
-/// Change of permeabilities from which the pressure is solved for again, where a scene does not say: a twentieth of the
+/// Change of permeabilities from which the pressure is solved for again, where a scene does not say: a fifth of the
 /// particles across the body.
-const PRESSURE_CHANGE: f64 = 0.07;
+const PRESSURE_CHANGE: f64 = 0.2;
 
 const INTERVAL: (&str, &str) = ("interval", "K");
 

@@ -10,6 +10,7 @@ use crate::balances::groundwater::aquifer::Aquifer;
 use crate::balances::groundwater::bend::Bend;
 use crate::balances::groundwater::carrier::Carrier;
 use crate::balances::groundwater::cuts::CutPaths;
+use crate::balances::groundwater::displaced::Displaced;
 use crate::balances::groundwater::error::GroundwaterError;
 use crate::balances::groundwater::ground::{Flow, PressureWall};
 use crate::balances::groundwater::network::{Network, NetworkParts, WayOut};
@@ -165,9 +166,7 @@ impl Groundwater {
             steepness: vec![1.0; count],
             conductivity: vec![0.0; count],
             walls: vec![0.0; flow.walls.len()],
-            started: Vec::new(),
-            asked: Vec::new(),
-            asking: Vec::new(),
+            displaced: Displaced::default(),
             last_solution: 0.0,
             interval: 0.0,
             lasts: f64::INFINITY,
@@ -183,12 +182,11 @@ impl Groundwater {
     fn start(&mut self, enthalpy: &[f64], expands: bool) -> Result<(), GroundwaterError> {
         self.warm(enthalpy);
         if expands {
-            let count = enthalpy.len();
-            self.started = (0..count).map(|i| self.aquifer(i).unfrozen(enthalpy[i], self.temperature[i])).collect();
-            (self.asked, self.asking) = (vec![0.0; count], vec![0.0; count]);
+            let unfrozen = |i: usize| self.aquifer(i).unfrozen(enthalpy[i], self.temperature[i]);
+            self.displaced = Displaced::from((0..enthalpy.len()).map(unfrozen).collect());
         }
         self.permeate(enthalpy);
-        self.solve(0.0, enthalpy)
+        self.solve(0.0, enthalpy, false)
     }
 }
 

@@ -49,6 +49,8 @@ pub struct Mouth {
 pub struct Carrier {
     /// Heat carried along each path from its earlier end, for each kelvin of the mean of both ends (W/m3K), by slot.
     carried: Vec<f64>,
+    /// The same, and water through each opening (1/s by volume), as the last solution had it; empty before the first.
+    last: (Vec<f64>, Vec<f64>),
     /// Exchange of both ends beside it (W/m3K), by slot; empty where there is none.
     exchange: Vec<f64>,
     /// Exchange beside walls, of particles that see each other's images (W/m3K), by slot; and the paths that have some, with
@@ -88,6 +90,8 @@ impl Saved for Carrier {
     fn pass(&mut self, pass: &mut Pass<'_>) {
         pass.all(&mut [
             &mut self.carried,
+            &mut self.last.0,
+            &mut self.last.1,
             &mut self.exchange,
             &mut self.beside,
             &mut self.beside_walls,
@@ -112,7 +116,8 @@ impl HeapSize for Carrier {
         let more = self.columns.iter().map(HeapSize::heap_size).sum::<usize>();
         let beside = self.beside_walls.capacity() * size_of::<(u32, u32, u32)>() + 2 * self.marked.capacity();
         let paths = total(&[&self.exchange, &self.sums, &self.beside, &self.carried, &self.conducted]);
-        rows + paths + more + beside + total(&[&self.kept, &self.mouth_of, &self.limits])
+        let last = self.last.0.heap_size() + self.last.1.heap_size();
+        rows + paths + more + beside + last + total(&[&self.kept, &self.mouth_of, &self.limits])
     }
 }
 
@@ -124,6 +129,8 @@ pub struct Ground<'a> {
     pub warm: &'a [bool],
     /// Threads, if more than one.
     pub team: Option<&'a Team>,
+    /// How far beyond this solution its water is to go on as it has changed since the last one, over the time between both.
+    pub ahead: f64,
 }
 
 impl Carrier {
@@ -172,7 +179,7 @@ impl Carrier {
 
     /// Takes the water of a solution for the pressure.
     pub fn take(&mut self, network: &Network, pressure: &Pressure, ground: &Ground<'_>, advection: Advection) {
-        self.follow(network, pressure, (ground.capacity, ground.team), advection);
+        self.follow(network, pressure, ground, advection);
         for mouth in &mut self.mouths {
             (mouth.inflow, mouth.outflow) = (0.0, 0.0);
         }
@@ -180,9 +187,12 @@ impl Carrier {
             self.beside[slot as usize] = 0.0;
         }
         let values = &pressure.pressure;
-        for ((opening, conductance), mouth) in network.openings.iter().zip(&pressure.mouths).zip(&self.mouth_of) {
+        self.last.1.resize(network.openings.len(), 0.0);
+        let openings = network.openings.iter().zip(&pressure.mouths).zip(&self.mouth_of).zip(&mut self.last.1);
+        for (((opening, conductance), mouth), last) in openings {
             let (own, image) = (values[opening.particle as usize], values[opening.image as usize]);
             let water = conductance * (own - opening.sign * image - pressure.wall_parts(opening));
+            let water = water + ground.ahead * (water - std::mem::replace(last, water));
             self.kept[opening.particle as usize] -= water;
             let mouth = &mut self.mouths[*mouth as usize];
             if water < 0.0 {
@@ -211,15 +221,9 @@ impl Carrier {
     }
 
     /// The water of paths, and what particles keep of it.
-    fn follow(
-        &mut self,
-        network: &Network,
-        pressure: &Pressure,
-        (capacity, team): (f64, Option<&Team>),
-        advection: Advection,
-    ) {
-        let Carrier { carried, kept, columns, .. } = self;
-        let (half, values) = (0.5 * capacity, &pressure.pressure[..]);
+    fn follow(&mut self, network: &Network, pressure: &Pressure, ground: &Ground<'_>, advection: Advection) {
+        let Carrier { carried, last: (last, _), kept, columns, .. } = self;
+        let (half, values, team) = (0.5 * ground.capacity, &pressure.pressure[..], ground.team);
         // Water along a path carries half of each end's temperature.
         if advection == Advection::Paper {
             let velocity = velocities(network, pressure);
@@ -230,6 +234,12 @@ impl Carrier {
         } else {
             let sent = |conductance: f64, i: f64, j: f64| half * (conductance * (i - j));
             network.by_path(team, (&pressure.conductances, values), &mut columns[0], sent, carried);
+        }
+        last.resize(carried.len(), 0.0);
+        for (carried, last) in carried.iter_mut().zip(last) {
+            let now = *carried;
+            *carried += ground.ahead * (now - *last);
+            *last = now;
         }
         network.sums(team, [carried; 3], |[carried, ..], earlier| if earlier { -carried } else { carried }, kept);
         for kept in kept {

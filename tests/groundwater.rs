@@ -103,7 +103,7 @@ fn halves_and_turns_are_the_whole() {
         let lattice = &whole.particles.lattice;
         let most = whole.particles.enthalpy.iter().fold(0.0, |most: f64, h| most.max(h.abs()));
         assert!(most > 0.0);
-        let cell_at = |plan: &frazil_simulation::plan::Plan, x: i64, y: i64| {
+        let cell_at = |plan: &plan::Plan, x: i64, y: i64| {
             let corner = plan.particles.lattice.corner / plan.particles.lattice.spacing;
             plan.particles.lattice.index(x - corner.x.round() as i64, y - corner.y.round() as i64).expect("a cell")
         };

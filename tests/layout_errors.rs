@@ -56,3 +56,25 @@ fn an_error_that_is_out_of_reach_is_refused_with_its_reason() {
         assert_eq!(layout(folder.path(), words).status.code(), Some(2), "{words}");
     }
 }
+
+/// A wall that closes, or does not, at one of both spacings alone has no day with an error: that is said in words.
+#[test]
+fn a_wall_that_closes_at_one_of_both_spacings_alone_is_told() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let words = |duration: f64| {
+        format!(
+            "--set method.local.spacing_m=0.25 --set time.duration_days={duration} --set time.profiles_days=[{duration}]"
+        )
+    };
+    assert!(layout(folder.path(), &words(25.0)).status.success());
+    let row = first_row(folder.path());
+    let (day, error) = (number(&row, "closure_days"), number(&row, "closure_error_days"));
+    // Whichever of both is later has not closed between their days.
+    let output = layout(folder.path(), &words(((day + 0.5 * error) * 10.0).round() / 10.0));
+    let said = String::from_utf8_lossy(&output.stdout);
+    let row = first_row(folder.path());
+    assert!(row["closure_error_days"].is_empty(), "{row:?}");
+    assert!(said.contains("closes on day 15.") && said.contains(", open at twice the spacing,"), "{said}");
+    let page = std::fs::read_to_string(folder.path().join("out/report.html")).expect("a page");
+    assert!(page.contains("open at twice the spacing"), "the page says nothing");
+}

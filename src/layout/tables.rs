@@ -136,6 +136,17 @@ pub(super) fn closure_error(found: &Found<'_>) -> Option<f64> {
     error(found.fine.closure, found.coarse.as_ref().and_then(|coarse| coarse.closure))
 }
 
+/// What to add to the day of closure where a run at twice the spacing finds the wall open that closes here, or the other way round: its
+/// error is then no number.
+pub(super) fn in_doubt(found: &Found<'_>) -> String {
+    let Some(coarse) = &found.coarse else { return String::new() };
+    match (found.fine.closure, coarse.closure) {
+        (Some(_), None) => ", open at twice the spacing".into(),
+        (None, Some(day)) => format!(", at twice the spacing closed on day {day:.1}"),
+        _ => String::new(),
+    }
+}
+
 /// Width of the widest gap of a wall that is open (m); 0 once it is closed.
 pub(super) fn open_width(answers: &Answers) -> f64 {
     let open = answers.weakest.as_ref().filter(|_| answers.closure.is_none());
@@ -359,6 +370,7 @@ pub(super) fn summary(study: &Study<'_>, method: &str, found: &[Found<'_>], fold
             }
             None => "does not close".into(),
         };
+        let closure = closure + &in_doubt(one);
         let closure = match fine.reopening {
             Some(day) => format!("{closure}, OPENS AGAIN on day {day:.2}"),
             None => closure,

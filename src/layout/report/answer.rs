@@ -17,8 +17,8 @@ pub(super) fn answers(study: &Study<'_>, told: &Told<'_>, compared: &[&Found<'_>
         let gap =
             one.fine.weakest.as_ref().map_or(String::new(), |link| format!(" ({} to {} widest)", link.from, link.to));
         match one.fine.closure {
-            Some(_) => format!("closes on day {day}{again}"),
-            None => format!("does not close{gap}"),
+            Some(_) => format!("closes on day {day}{}{again}", tables::in_doubt(one)),
+            None => format!("does not close{gap}{}", tables::in_doubt(one)),
         }
     };
     let mut sentences = vec![in_order(compared, closes, closure)];

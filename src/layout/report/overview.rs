@@ -54,7 +54,10 @@ pub(super) fn overview(study: &Study<'_>, method: &str, compared: &[&Found<'_>])
             one.layout.name.clone(),
             weakest,
             fine.pipes.to_string(),
-            stood(with_error(fine.closure, tables::closure_error(one), 2, "not closed"), fine.reopening),
+            stood(
+                with_error(fine.closure, tables::closure_error(one), 2, "not closed") + &tables::in_doubt(one),
+                fine.reopening,
+            ),
             cell(fine.first_gap, 2, "none"),
             with_error(thickness, tables::error(thickness, far.map(|day| day.thickness_weakest_m)), 2, ""),
             with_error(mean, tables::error(mean, far.and_then(|day| day.temperature_weakest_c)), 2, "open"),

@@ -39,7 +39,8 @@ const OF_EULER: f64 = 10.0;
 
 /// Runge-Kutta-Legendre of second order (Meyer, Balsara and Aslam 2014): s stages reach (s^2 + s - 2) / 4 Euler
 /// steps. Stable, but not monotone: a full step right after a jump leaves the range of the data, so steps grow from
-/// Euler's: by a fixed factor, or as the estimated error allows.
+/// Euler's: by a fixed factor, or as the estimated error allows. Beside water that carries heat too fast for stages, those by error are
+/// Euler's own, or Heun's.
 pub struct Rkl2 {
     balance: Box<dyn Balance>,
     ledger: Ledger,

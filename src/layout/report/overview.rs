@@ -8,6 +8,12 @@ use crate::rows::{cell, designed_on, stood, with_error};
 use crate::study::Study;
 use crate::{reference, tables};
 
+/// When a wall closed, how sure that is, and that it opened again.
+fn closed(one: &Found<'_>) -> String {
+    let day = with_error(one.fine.closure, tables::closure_error(one), 2, "not closed");
+    stood(day + &tables::in_doubt(one), one.fine.reopening)
+}
+
 /// A row for each layout: what is asked first.
 pub(super) fn overview(study: &Study<'_>, method: &str, compared: &[&Found<'_>]) -> Table {
     let mut heads: Vec<String> = [
@@ -54,10 +60,7 @@ pub(super) fn overview(study: &Study<'_>, method: &str, compared: &[&Found<'_>])
             one.layout.name.clone(),
             weakest,
             fine.pipes.to_string(),
-            stood(
-                with_error(fine.closure, tables::closure_error(one), 2, "not closed") + &tables::in_doubt(one),
-                fine.reopening,
-            ),
+            closed(one),
             cell(fine.first_gap, 2, "none"),
             with_error(thickness, tables::error(thickness, far.map(|day| day.thickness_weakest_m)), 2, ""),
             with_error(mean, tables::error(mean, far.and_then(|day| day.temperature_weakest_c)), 2, "open"),

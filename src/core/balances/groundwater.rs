@@ -204,7 +204,7 @@ impl Groundwater {
         }
         self.last_solution = time;
         // Half of the time until the next solution, which is as long as that since the last, or shorter where much has changed.
-        let ahead = if goes_on { (self.lasts / self.interval).min(0.5) } else { 0.0 };
+        let ahead = if goes_on && self.interval > 0.0 { (self.lasts / self.interval).min(0.5) } else { 0.0 };
         let Groundwater { network, conductivity, walls, carrier, numerics, displaced, .. } = self;
         let displaced = displaced.solve_for(ahead);
         self.pressure.solve(network, conductivity, walls, displaced, carrier.passing, numerics.mean)?;

@@ -146,7 +146,9 @@ fn still_water_changes_nothing() {
     for kind in even() {
         let end = |flows: bool| {
             // Water makes Heun's steps, conduction alone Euler's: both are short here.
+            // Fronts stay in cells beside water and not without.
             let mut sketch = with_pipes(crossed(SHARP, Sector::Half, 0.0, 0.0)).with("step_fraction = 0.1");
+            sketch = sketch.with("front = \"cell\"");
             if !flows {
                 sketch.flow.clear();
                 sketch.materials = vec![("sand", crate::sketch::sand(SHARP))];

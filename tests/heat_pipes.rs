@@ -49,8 +49,9 @@ fn last(result: &RunResult, file: &str, column: &str) -> f64 {
 }
 
 /// The front around a line that takes 80 W/m (Paterson 1952), by the area that is frozen, and the temperature of the ground at the
-/// pipe's radius. Ground at the outer wall changes by less than 1e-4 K in these twenty days. A front stands to a tenth of a spacing
-/// where particles stand, and the wall's temperature follows its logarithm.
+/// pipe's radius. Ground at the outer wall changes by less than 1e-4 K in these twenty days. A front stands to a fiftieth of a spacing
+/// where it should: one that could enter cells only as a whole would stand 0.07 behind. The wall's temperature follows that of the ground around a
+/// sink that is spread over particles.
 #[test]
 fn the_front_around_a_line_is_that_of_the_exact_solution() {
     let exact = LineSink::new(&material(), 8.0, 80.0);
@@ -68,7 +69,7 @@ fn the_front_around_a_line_is_that_of_the_exact_solution() {
             let colder = exact.frozen_temperature(0.01, end) - last(&result, "pipes.csv", "wall_c");
             let known = 80.0 / (TAU * 2.56) * (exact.front(end) / (exact.front(end) - 0.1 * spacing_m)).ln();
             eprintln!("{} {spacing_m}: front {behind:.4} m behind, wall {colder:.3} K colder", kind.name);
-            assert!(behind.abs() < 0.1 * spacing_m, "{} {spacing_m}: {behind} m", kind.name);
+            assert!(behind.abs() < 0.02 * spacing_m, "{} {spacing_m}: {behind} m", kind.name);
             assert!(colder.abs() < known, "{} {spacing_m}: {colder} K of {known}", kind.name);
         }
     }

@@ -146,8 +146,8 @@ fn what_cannot_be_promised_is_refused() {
         let output = process.args(words).arg("--out").arg(folder.path()).output().expect("the program starts");
         (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
     };
-    let (code, told) = run(&["run", "stefan-water", "--method", "pd", "--error", "0.001%", "--budget-s", "1"]);
-    assert!(code == Some(2) && told.contains("--error 0.001 %: pd does not reach it on the scene"), "{told}");
+    let (code, told) = run(&["run", "stefan-water", "--method", "pd", "--error", "0.00001%", "--budget-s", "1"]);
+    assert!(code == Some(2) && told.contains("--error 1 · 10⁻⁵ %: pd does not reach it on the scene"), "{told}");
     for words in ["0%", "100%", "much"] {
         let (code, told) = run(&["cheapest", "stefan-water", "--error", words]);
         assert!(code == Some(2) && told.contains("an error above 0 and below 100 %, as 1% or 0.01"), "{told}");

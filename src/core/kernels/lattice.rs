@@ -394,7 +394,7 @@ impl<L: Laws> Balance for LatticeBalance<L> {
     }
 
     fn next_kink(&self, enthalpy: &[f64], rates: &[f64]) -> f64 {
-        self.front.as_ref().map_or(f64::INFINITY, |front| front.next_kink(enthalpy, rates))
+        self.front.as_ref().map_or(f64::INFINITY, |front| front.next_kink(enthalpy, rates, &self.around.laws))
     }
 
     fn rate(&mut self, enthalpy: &[f64], clock: &Clock, rates: &mut Rates<'_>) {

@@ -1,10 +1,6 @@
 //! Which particles of a body freeze at one temperature.
 
-use crate::instruction_set::widest;
 use crate::physics::latent_heat::Materials;
-
-/// Particles that are looked at together: mostly none of them freezes.
-const LOOK: usize = 32;
 
 /// A material that freezes at one temperature.
 #[derive(Debug, Clone, Copy)]
@@ -24,14 +20,18 @@ impl Sharp {
     }
 }
 
+/// Neighbouring particles of one material whose fronts are followed: the first, one past the last, and which of the materials that freeze at
+/// one temperature.
+pub(super) type Stretch = (u32, u32, u32);
+
 /// The materials that freeze at one temperature, and the stretches of particles whose fronts are followed.
 pub(super) fn stretches(
     materials: &Materials,
     temperatures: (f64, f64),
     count: usize,
     mixed: impl Fn(usize) -> bool,
-) -> (Vec<Sharp>, Vec<(u32, u32, u32)>) {
-    let (mut sharp, mut stretches) = (Vec::new(), Vec::<(u32, u32, u32)>::new());
+) -> (Vec<Sharp>, Vec<Stretch>) {
+    let (mut sharp, mut stretches) = (Vec::new(), Vec::<Stretch>::new());
     let of_material: Vec<Option<u32>> = materials
         .thermals
         .iter()
@@ -51,53 +51,4 @@ pub(super) fn stretches(
         }
     }
     (sharp, stretches)
-}
-
-widest!(find_widely, find_each, (enthalpy: &[f64], first: u32, range: (f64, f64), freezing: &mut Vec<u32>));
-
-/// Finds the particles that freeze, the first of which has the number `first`: those whose enthalpies (J/m3) lie within a range.
-#[inline]
-pub(super) fn find(enthalpy: &[f64], first: u32, range: (f64, f64), freezing: &mut Vec<u32>) {
-    find_widely(enthalpy, first, range, freezing);
-}
-
-#[inline(always)]
-fn find_each(enthalpy: &[f64], first: u32, range: (f64, f64), freezing: &mut Vec<u32>) {
-    let (looks, rest) = enthalpy.as_chunks::<LOOK>();
-    for (look, first) in looks.iter().zip((first..).step_by(LOOK)) {
-        if any_freezes(look, range) {
-            find_closely(look, first, range, freezing);
-        }
-    }
-    // Those left over together with some before them, as long as none of all these freezes.
-    if enthalpy.last_chunk::<LOOK>().is_none_or(|look| any_freezes(look, range)) {
-        find_closely(rest, first + (enthalpy.len() - rest.len()) as u32, range, freezing);
-    }
-}
-
-/// Whether an enthalpy lies within a range.
-#[inline(always)]
-fn freezes(own: f64, (frozen, unfrozen): (f64, f64)) -> bool {
-    (own > frozen) & (own < unfrozen)
-}
-
-/// Whether any does. Answers as wide as enthalpies stay where these are compared.
-#[inline(always)]
-fn any_freezes<const COUNT: usize>(look: &[f64; COUNT], range: (f64, f64)) -> bool {
-    look.iter().fold(0, |any, own| any | u64::from(freezes(*own, range))) != 0
-}
-
-/// The same as [`find`], mostly of particles of which some freeze.
-#[inline(always)]
-fn find_closely(enthalpy: &[f64], first: u32, range: (f64, f64), freezing: &mut Vec<u32>) {
-    let (groups, rest) = enthalpy.as_chunks::<8>();
-    let one_by_one = |own: &[f64], first: u32, freezing: &mut Vec<u32>| {
-        freezing.extend((first..).zip(own).filter(|(_, own)| freezes(**own, range)).map(|(particle, _)| particle));
-    };
-    for (group, first) in groups.iter().zip((first..).step_by(8)) {
-        if any_freezes(group, range) {
-            one_by_one(group, first, freezing);
-        }
-    }
-    one_by_one(rest, first + (enthalpy.len() - rest.len()) as u32, freezing);
 }

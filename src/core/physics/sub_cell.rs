@@ -9,14 +9,21 @@
 //! `d = s - 1/2 + f` on the frozen side and `s + 1/2 - f` on the other. Over the time in which a cell freezes this and
 //! the plain exchange with its centre agree: the mean of `d` is `s`. Where both sides of a cell are in the same phase, two
 //! fronts move toward each other, and each has half of the cell. Where a pair reaches over a freezing cell from one
-//! phase to the other, both ends exchange with the front and not with each other.
+//! phase to the other, both ends exchange with the front and not with each other. Where a front has left one cell and not yet
+//! entered the next, it lies on the face between them ([`faces`]).
 //!
 //! Every term is exchanged between two particles, so heat is conserved; weights stay positive, so with a step by the row
 //! sums given here the maximum principle holds as without. On a line the error falls with the square of the spacing, for
 //! every method (docs/theory/heat.md).
 
 mod changes;
+mod exchange;
+mod extent;
+mod faces;
+mod orientation;
 mod pairs;
+mod phases;
+mod tangent;
 mod window;
 
 use crate::bonds::stencil::Stencil;
@@ -24,34 +31,29 @@ use crate::instruction_set::widest;
 use crate::memory::HeapSize;
 use crate::physics::latent_heat::Materials;
 use crate::physics::laws::Laws;
-use crate::physics::sharp_stretches::{Sharp, find, stretches};
+use crate::physics::sharp_stretches::{Sharp, Stretch, stretches};
 use crate::solvers::kept::add_one;
 use crate::space::lattice::Lattice;
 use changes::Changes;
-use pairs::{LANES, OwnPair, Pairs, distance, exchange};
+use exchange::exchange;
+pub use extent::Extent;
+use faces::Faces;
+use pairs::{LANES, OwnPair, Pairs, distance};
+use phases::Phases;
+use tangent::FrontTangent;
 use window::{Front, Surroundings, Window};
-
-/// What fronts need to know of a body beside its particles.
-#[derive(Debug, Clone, Copy)]
-pub struct Extent {
-    /// Least and greatest temperature of the scene.
-    pub temperatures: (f64, f64),
-    /// Left, right, bottom, top: whether what lies beyond is the mirror image of the body.
-    pub mirrors: [bool; 4],
-    /// Along x and y: whether the body repeats.
-    pub repeats: [bool; 2],
-    /// Whether fronts run along y, or along x, where nothing varies across.
-    pub along_y: Option<bool>,
-}
 
 /// The fronts of a body whose materials, or some of them, freeze at one temperature.
 #[derive(Debug, Clone)]
 pub struct SubCellFront {
     sharp: Vec<Sharp>,
-    /// Neighbouring particles of one material whose fronts are followed: the first, one past the last, and which of `sharp`.
-    stretches: Vec<(u32, u32, u32)>,
+    /// Particles whose fronts are followed.
+    stretches: Vec<Stretch>,
+    phases: Phases,
     pairs: Pairs,
     surroundings: Surroundings,
+    /// Fronts on faces between particles.
+    faces: Faces,
     /// Particles that freeze.
     freezing: Vec<u32>,
     /// Cells and frozen fractions of those at hand.
@@ -65,18 +67,13 @@ pub struct SubCellFront {
     tangent: FrontTangent,
 }
 
-/// How what fronts add follows small changes of the state.
-#[derive(Debug, Clone, Default)]
-struct FrontTangent {
-    /// Particles whose fronts are followed, and what their enthalpy changes by for each watt a metre that they are given (s/m2).
-    freezing: Vec<(u32, f64)>,
-    /// Rates by potentials: the particle that is changed, the one that changes it, and the factor (m^-2).
-    by_potential: Vec<(u32, u32, f64)>,
-    /// Rates by enthalpies of freezing particles: the particle that is changed, which of `freezing`, and the factor (1/s).
-    by_enthalpy: Vec<(u32, u32, f64)>,
-    /// Changes of potentials (W/m), without those of freezing particles, and what their enthalpies change by (J/m3).
-    changes: Vec<f64>,
-    kept: Vec<f64>,
+/// Where a front is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    /// In the cell of a freezing particle.
+    Inside,
+    /// On the face of a particle that it enters.
+    Entering,
 }
 
 impl SubCellFront {
@@ -93,12 +90,14 @@ impl SubCellFront {
         let across = stencil.reach as i64;
         let reach = (across, if lattice.dimension == 1 { 0 } else { across });
         let surroundings = Surroundings { reach, mirrors: extent.mirrors, repeats: extent.repeats };
-        let pairs = Pairs::new(stencil, &surroundings, extent.along_y);
+        let pairs = Pairs::new(stencil, &surroundings, &extent);
         let longest = pairs.longest;
         let several = (lattice.dimension > 1).then(|| Window::new(&surroundings, longest));
         let one = Window::new(&surroundings, longest);
         let changes = Changes::with_room(2 * one.changes.len() * (lattice.columns + lattice.rows));
         SubCellFront {
+            phases: Phases::new(lattice.len()),
+            faces: Faces::new(lattice, &extent),
             sharp,
             stretches,
             pairs,
@@ -115,79 +114,70 @@ impl SubCellFront {
     /// Brings the fronts to a state of enthalpies (J/m3).
     pub fn update(&mut self, lattice: &Lattice, enthalpy: &[f64], laws: &impl Laws) {
         self.changes.clear();
+        self.look(enthalpy, laws);
         let most = if self.several.is_some() { LANES } else { 1 };
-        self.each_front(lattice, enthalpy, most, |front, fronts, _, sharp| {
-            let SubCellFront { pairs, surroundings, several, one, changes, .. } = front;
-            let (place, states, at_front) =
-                ((lattice, &*surroundings), (laws, enthalpy), (sharp.potential, sharp.middle()));
+        self.each_front(lattice, enthalpy, most, |front, kind, fronts, _, sharp| {
+            let SubCellFront { pairs, faces, surroundings, several, one, changes, .. } = front;
+            let (all, place, states) = ((&*pairs, &*faces, kind), (lattice, &*surroundings), (laws, enthalpy));
             match several {
-                Some(window) => act_widely(window, pairs, place, fronts, states, at_front, changes),
-                None => act(one, pairs, place, fronts, states, at_front, changes),
+                Some(window) => act_widely(window, all, place, fronts, states, &sharp, changes),
+                None => act(one, all, place, fronts, states, &sharp, changes),
             }
         });
     }
 
-    /// Time (s) after which, if the rates (W/m3) go on, a particle of a line next begins or ends to freeze; infinite in a plane, where
-    /// one of so many always does soon.
-    pub fn next_kink(&self, enthalpy: &[f64], rates: &[f64]) -> f64 {
-        let mut next = f64::INFINITY;
+    /// Time (s) after which, if the rates (W/m3) go on, a particle of a line next begins or ends to freeze, or a front on a face turns to the
+    /// particle on the other side; infinite in a plane, where one of so many always does soon.
+    pub fn next_kink(&self, enthalpy: &[f64], rates: &[f64], laws: &impl Laws) -> f64 {
         if self.several.is_some() {
-            return next;
+            return f64::INFINITY;
         }
+        let mut next = f64::INFINITY;
+        let mut note = |time: f64| next = if time > 0.0 && time < next { time } else { next };
         for (first, end, sharp) in &self.stretches {
             let (of_stretch, sharp) = (*first as usize..*end as usize, &self.sharp[*sharp as usize]);
             for (enthalpy, rate) in enthalpy[of_stretch.clone()].iter().zip(&rates[of_stretch]) {
                 for edge in [sharp.interval.0, sharp.interval.1] {
-                    let time = (edge - enthalpy) / rate;
-                    next = if time > 0.0 && time < next { time } else { next };
+                    note((edge - enthalpy) / rate);
                 }
             }
+        }
+        for (one, other, sharp) in self.faces.apart() {
+            let potential = self.sharp[sharp as usize].potential;
+            let sides = [one, other].map(|particle| {
+                let particle = particle as usize;
+                let above = laws.potential_of(particle, enthalpy[particle]) - potential;
+                (above, laws.slope_of(particle, enthalpy[particle]) * rates[particle])
+            });
+            note(-(sides[0].0 + sides[1].0) / (sides[0].1 + sides[1].1));
         }
         next
     }
 
-    /// Linearises at a state of enthalpies (J/m3). Potentials of freezing particles do not follow their enthalpies: they are given the
-    /// slope `steepest` (m2/s) in `slopes`, and stand for the change of the enthalpy.
-    pub fn linearise(
-        &mut self,
-        lattice: &Lattice,
-        enthalpy: &[f64],
-        laws: &impl Laws,
-        steepest: impl Fn(usize) -> f64,
-        slopes: &mut [f64],
-    ) {
-        let FrontTangent { freezing, by_potential, by_enthalpy, .. } = &mut self.tangent;
-        freezing.clear();
-        by_potential.clear();
-        by_enthalpy.clear();
-        self.each_front(lattice, enthalpy, 1, |front, fronts, particle, sharp| {
-            let states = (laws, enthalpy);
-            front.one.look_around((lattice, &front.surroundings), fronts, states, (sharp.potential, sharp.middle()));
-            front.one.note_phases();
-            slopes[particle] = steepest(particle);
-            front.tangent.freezing.push((particle as u32, 1.0 / slopes[particle]));
-            front.exchange_changes(-1.0 / (sharp.interval.1 - sharp.interval.0));
-        });
+    /// Finds the fronts of a state of enthalpies (J/m3).
+    fn look(&mut self, enthalpy: &[f64], laws: &impl Laws) {
+        let followed = (self.sharp.as_slice(), self.stretches.as_slice());
+        self.phases.update(followed, enthalpy);
+        self.faces.update(&self.phases, followed, enthalpy, laws);
     }
 
-    /// Does something at every front, at most so many of them at a time: by their cells and frozen fractions, by the particle of the
-    /// first, and by the material.
+    /// Does something at every front that was found, at most so many of them at a time: by their kind, cells and frozen fractions, by the particle of
+    /// the first, and by the material.
     fn each_front(
         &mut self,
         lattice: &Lattice,
         enthalpy: &[f64],
         most: usize,
-        mut some: impl FnMut(&mut Self, &[Front], usize, Sharp),
+        mut some: impl FnMut(&mut Self, Kind, &[Front], usize, Sharp),
     ) {
         // Particles come in the order of their rows.
         let mut row = 0;
         let (mut freezing, mut fronts) = (std::mem::take(&mut self.freezing), std::mem::take(&mut self.fronts));
         for stretch in 0..self.stretches.len() {
-            let (first, end, sharp) = self.stretches[stretch];
-            let sharp = self.sharp[sharp as usize];
+            let sharp = self.sharp[self.stretches[stretch].2 as usize];
             let (frozen, unfrozen) = sharp.interval;
             freezing.clear();
-            find(&enthalpy[first as usize..end as usize], first, (frozen, unfrozen), &mut freezing);
+            self.phases.find_freezing(self.stretches[stretch], &mut freezing);
             for particles in freezing.chunks(most) {
                 fronts.clear();
                 fronts.extend(particles.iter().map(|particle| {
@@ -198,72 +188,19 @@ impl SubCellFront {
                     let column = lattice.span(row).0 + particle - lattice.start(row);
                     ((column as i64, row as i64), (unfrozen - enthalpy[particle]) / (unfrozen - frozen))
                 }));
-                some(self, &fronts, particles[0] as usize, sharp);
+                some(self, Kind::Inside, &fronts, particles[0] as usize, sharp);
             }
+        }
+        let mut done = 0;
+        while let Some((sharp, particle, _)) = self.faces.entered().get(done).copied() {
+            fronts.clear();
+            let alike = self.faces.entered()[done..].iter().take(most).take_while(|entered| entered.0 == sharp);
+            let front = |unfrozen: bool| if unfrozen { 0.0 } else { 1.0 };
+            fronts.extend(alike.map(|(_, particle, unfrozen)| (lattice.cell(*particle as usize), front(*unfrozen))));
+            done += fronts.len();
+            some(self, Kind::Entering, &fronts, particle as usize, self.sharp[sharp as usize]);
         }
         (self.freezing, self.fronts) = (freezing, fronts);
-    }
-
-    /// How what the front in the middle of the window exchanges follows the potentials around it, and the enthalpy of its own
-    /// particle, with which the frozen fraction goes by `slope` (m3/J).
-    fn exchange_changes(&mut self, slope: f64) {
-        let FrontTangent { freezing, by_potential, by_enthalpy, .. } = &mut self.tangent;
-        let (window, pairs) = (&self.one, &self.pairs);
-        let [fraction] = window.fractions;
-        let (middle, own) = (window.above.len() / 2, freezing.len() as u32 - 1);
-        let name = |place: usize| window.particle(place, 0);
-        let seen = |place: u32| window.above[place as usize][0];
-        for OwnPair { other, opposite, cells, weight } in &pairs.own {
-            let (above, beyond, other, cells) = (seen(*other), seen(*opposite), *other as usize, *cells as f64);
-            if above != 0.0 {
-                let (share, grows) = if above < 0.0 { (fraction, 1.0) } else { (1.0 - fraction, -1.0) };
-                let fronts = if above * beyond > 0.0 { 2.0 } else { 1.0 };
-                let far = distance(cells, share / fronts);
-                let by_above = weight * (cells / far - 1.0);
-                let by_fraction = -weight * above * cells / (far * far) * grows / fronts * slope;
-                by_potential.extend([(name(other), name(other), -by_above), (name(middle), name(other), by_above)]);
-                by_enthalpy.extend([(name(other), own, -by_fraction), (name(middle), own, by_fraction)]);
-            }
-        }
-        for pair in &pairs.over {
-            let (below, above) = (seen(pair.frozen), seen(pair.unfrozen));
-            if pairs.is_taken(pair, window) {
-                let carried = pair.weight * pair.cells as f64;
-                let near = distance(pair.before as f64, fraction);
-                let far = distance((pair.cells - pair.before) as f64, 1.0 - fraction);
-                let (cold, warm, direct) = (carried / near, carried / far, pair.weight);
-                let rows = [name(pair.frozen as usize), name(pair.unfrozen as usize), name(middle)];
-                for (row, (by_below, by_above)) in
-                    rows.into_iter().zip([(direct - cold, -direct), (-direct, direct - warm), (cold, warm)])
-                {
-                    by_potential.extend([(row, rows[0], by_below), (row, rows[1], by_above)]);
-                }
-                let (cold, warm) = (-cold * below / near * slope, warm * above / far * slope);
-                by_enthalpy.extend([(rows[0], own, -cold), (rows[1], own, -warm), (rows[2], own, cold + warm)]);
-            }
-        }
-    }
-
-    /// Takes small changes of potentials (W/m) apart, and gives them without those of freezing particles.
-    pub fn hold_back(&mut self, potentials: &[f64]) -> &[f64] {
-        let FrontTangent { freezing, changes, kept, .. } = &mut self.tangent;
-        changes.clear();
-        changes.extend_from_slice(potentials);
-        kept.clear();
-        let enthalpy = |(particle, by): &(u32, f64)| by * std::mem::take(&mut changes[*particle as usize]);
-        kept.extend(freezing.iter().map(enthalpy));
-        changes
-    }
-
-    /// Adds to `rates` (W/m3) how fronts follow the changes that were taken apart last.
-    pub fn act(&self, rates: &mut [f64]) {
-        let FrontTangent { by_potential, by_enthalpy, changes, kept, .. } = &self.tangent;
-        for (row, column, factor) in by_potential {
-            rates[*row as usize] += factor * changes[*column as usize];
-        }
-        for (row, number, factor) in by_enthalpy {
-            rates[*row as usize] += factor * kept[*number as usize];
-        }
     }
 
     /// Adds what the fronts exchange to `rates`, scaled.
@@ -284,15 +221,19 @@ impl SubCellFront {
 
     /// What fronts may add to the row sum (m^-2) of a particle: where they have just come nearest on all sides.
     pub fn row_sum(&self) -> f64 {
-        self.pairs.own.iter().map(|pair| pair.weight * (pair.cells as f64 / distance(1.0, 0.0) - 1.0)).sum()
+        self.pairs.own.iter().map(|pair| pair.weight * (pair.cells / distance(1.0, 0.0) - 1.0)).sum()
     }
 
     /// Rate (1/s) at which a freezing particle answers to its own frozen fraction, at most: all that surrounds it is as
-    /// far from the freezing point as can be.
+    /// far from the freezing point as can be, and every pair as near as a front across it comes.
+    ///
+    /// Of two opposite pairs, only one is that near, or both by half. What fronts at an angle add is less than the other: a pair along
+    /// which the front moves twice as fast, or heat along the front.
     pub fn own_rate(&self) -> f64 {
-        let nearest =
-            |pair: &OwnPair| -> f64 { (1..=pair.cells).map(|before| distance(before as f64, 0.0).powi(-2)).sum() };
-        let by_pairs: f64 = self.pairs.own.iter().map(|pair| pair.weight * pair.cells as f64 * nearest(pair)).sum();
+        let nearest = |pair: &OwnPair| -> f64 {
+            (1..=pair.cells as usize).map(|before| distance(before as f64, 0.0).powi(-2)).sum()
+        };
+        let by_pairs: f64 = self.pairs.own.iter().map(|pair| pair.weight * pair.cells * nearest(pair)).sum();
         let answer = |sharp: &Sharp| sharp.most / (sharp.interval.1 - sharp.interval.0);
         by_pairs * self.sharp.iter().map(answer).fold(0.0, f64::max)
     }
@@ -322,28 +263,31 @@ widest!(
     act[Lw: Laws, _],
     (
         window: &mut Window<LANES>,
-        pairs: &Pairs,
+        all: (&Pairs, &Faces, Kind),
         place: (&Lattice, &Surroundings),
         fronts: &[Front],
         states: (&Lw, &[f64]),
-        at_front: (f64, f64),
+        material: &Sharp,
         changes: &mut Changes
     )
 );
 
-/// Lets some fronts act on what lies around them: see [`Window::look_around`].
+/// Lets some fronts of a kind act on what lies around them: see [`Window::look_around`].
 #[inline(always)]
 fn act<Lw: Laws, const L: usize>(
     window: &mut Window<L>,
-    pairs: &Pairs,
+    (pairs, faces, kind): (&Pairs, &Faces, Kind),
     place: (&Lattice, &Surroundings),
     fronts: &[Front],
     states: (&Lw, &[f64]),
-    at_front: (f64, f64),
+    material: &Sharp,
     changes: &mut Changes,
 ) {
-    window.look_around(place, fronts, states, at_front);
-    exchange(pairs, window);
+    window.look_around(place, fronts, states, (material.potential, material.middle()));
+    match kind {
+        Kind::Inside => exchange::<L, false>(pairs, faces, material.interval, window),
+        Kind::Entering => exchange::<L, true>(pairs, faces, material.interval, window),
+    }
     window.collect(changes);
 }
 
@@ -351,9 +295,8 @@ impl HeapSize for SubCellFront {
     fn heap_size(&self) -> usize {
         let windows = self.one.heap_size() + self.several.as_ref().map_or(0, HeapSize::heap_size);
         let states = windows + self.changes.heap_size() + self.freezing.heap_size();
-        let FrontTangent { freezing, by_potential, by_enthalpy, changes, kept } = &self.tangent;
-        let factors = freezing.heap_size() + by_potential.heap_size() + by_enthalpy.heap_size();
-        let tangent = factors + changes.heap_size() + kept.heap_size();
-        self.pairs.heap_size() + states + tangent
+        let found = self.phases.heap_size() + self.faces.heap_size();
+        let tangent = self.tangent.heap_size();
+        self.pairs.heap_size() + states + found + tangent
     }
 }

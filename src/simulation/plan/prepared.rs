@@ -21,7 +21,7 @@ use frazil_core::space::volumes::Volumes;
 use frazil_core::team::Team;
 use frazil_scene::Scene;
 use frazil_scene::method::{MethodSettings, Stepper};
-use frazil_scene::settings::{Arrangement, Front, Numerics};
+use frazil_scene::settings::{Arrangement, Front, IntegratorChoice, Numerics};
 use glam::DVec2;
 use rand::SeedableRng;
 use rand_distr::{Distribution, Uniform};
@@ -202,6 +202,8 @@ impl Prepared {
                 mirrors: self.boundary.sides.map(|side| self.boundary.mirrors(side)),
                 repeats: self.boundary.repeats(),
                 along_y: scene.freezing_direction().map(|direction| direction.along_y),
+                free: scene.flow.is_none()
+                    && !matches!(settings.numerics.integrator, IntegratorChoice::Implicit { .. }),
             };
             SubCellFront::new(&self.materials, extent, &self.lattice, &self.stencil, cut)
         });

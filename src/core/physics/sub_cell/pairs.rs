@@ -1,5 +1,6 @@
 //! Pairs of freezing particles, and pairs that pass over them.
 
+use super::extent::Extent;
 use super::window::{Surroundings, Window};
 use crate::bonds::stencil::Stencil;
 use crate::memory::HeapSize;
@@ -15,7 +16,9 @@ pub(super) struct OwnPair {
     /// Place on the opposite side.
     pub(super) opposite: u32,
     /// Spacings between both along the axis across which the front is taken to lie.
-    pub(super) cells: usize,
+    pub(super) cells: f64,
+    /// Spacings to the other along x and y.
+    pub(super) offset: [f64; 2],
     /// Weight (m^-2).
     pub(super) weight: f64,
 }
@@ -47,9 +50,11 @@ pub(super) struct Pairs {
     /// Pairs over a freezing particle.
     pub(super) over: Vec<PairOver>,
     /// Places on their ways.
-    ways: Vec<u32>,
+    pub(super) ways: Vec<u32>,
     /// The most spacings between both ends of a pair.
     pub(super) longest: usize,
+    /// Whether fronts may lie at any angle.
+    pub(super) turned: bool,
 }
 
 /// Distances (in spacings) from a place `spacings` before the centre of a cell to the front in it, behind the share of the
@@ -59,31 +64,18 @@ pub(super) fn distance(spacings: f64, share: f64) -> f64 {
     spacings - 0.5 + share
 }
 
-/// How near fronts are to ends some spacings from the middle, frozen and unfrozen ones.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Near<const L: usize> {
-    /// One over the distance.
-    inverse: [[f64; L]; 2],
-    /// What a pair of the freezing particle carries more than the plain one, over that: with one front in the cell, and with two.
-    more: [[[f64; L]; 2]; 2],
-}
+/// One over the distances of fronts from ends some spacings from the middle, frozen and unfrozen ones.
+pub(super) type Near<const L: usize> = [[f64; L]; 2];
 
-impl<const L: usize> Near<L> {
-    pub(super) const NOWHERE: Self = Near { inverse: [[0.0; L]; 2], more: [[[0.0; L]; 2]; 2] };
-
-    #[inline(always)]
-    fn of(cells: usize, fractions: &[f64; L]) -> Self {
-        let (mut near, cells, frozen) = (Self::NOWHERE, cells as f64, *fractions);
-        for (phase, (inverse, more)) in near.inverse.iter_mut().zip(&mut near.more).enumerate() {
-            for lane in 0..L {
-                let share = if phase == 0 { frozen[lane] } else { 1.0 - frozen[lane] };
-                inverse[lane] = 1.0 / distance(cells, share);
-                more[0][lane] = cells * inverse[lane] - 1.0;
-                more[1][lane] = cells / distance(cells, 0.5 * share) - 1.0;
-            }
-        }
-        near
+/// How near fronts are to ends so many spacings from the middle, by the frozen fractions of their cells.
+#[inline(always)]
+pub(super) fn near<const L: usize>(cells: usize, fractions: &[f64; L]) -> Near<L> {
+    let (mut near, cells) = ([[0.0; L]; 2], cells as f64);
+    for lane in 0..L {
+        near[0][lane] = 1.0 / distance(cells, fractions[lane]);
+        near[1][lane] = 1.0 / distance(cells, 1.0 - fractions[lane]);
     }
+    near
 }
 
 /// Cells on the way over an offset that is cut into so many of them, ends left out. Where the way runs between two cells,
@@ -101,7 +93,7 @@ impl PairOver {
     /// Nor where a wall that heat passes makes an image of one end for the other: the image weighs against the pair itself, and
     /// would be left without it.
     #[inline(always)]
-    fn taken<const L: usize>(&self, ways: &[u32], window: &Window<L>) -> [u64; L] {
+    pub(super) fn taken<const L: usize>(&self, ways: &[u32], window: &Window<L>) -> [u64; L] {
         let (below, above) = (window.above[self.frozen as usize], window.above[self.unfrozen as usize]);
         let mut taken = [0; L];
         for lane in 0..L {
@@ -126,7 +118,8 @@ impl PairOver {
 
 impl Pairs {
     /// Pairs of a stencil. Fronts run along y, or along x, where nothing varies across.
-    pub(super) fn new(stencil: &Stencil, surroundings: &Surroundings, along_y: Option<bool>) -> Self {
+    pub(super) fn new(stencil: &Stencil, surroundings: &Surroundings, extent: &Extent) -> Self {
+        let along_y = extent.along_y;
         let (across, along) = surroundings.reach;
         let place = |offset| surroundings.place(offset);
         let (mut own, mut over, mut ways) = (Vec::new(), Vec::new(), Vec::new());
@@ -142,7 +135,9 @@ impl Pairs {
                     continue;
                 }
                 let cells = spacings as usize;
-                own.push(OwnPair { other: place((dx, dy)), opposite: place((-dx, -dy)), cells, weight });
+                let offset = [dx as f64, dy as f64];
+                let (other, opposite) = (place((dx, dy)), place((-dx, -dy)));
+                own.push(OwnPair { other, opposite, cells: spacings as f64, offset, weight });
                 // Where the way runs between cells, half of the pair takes either.
                 let [lower, higher] = [false, true].map(|higher| way((dx, dy), spacings, higher));
                 let both = if lower == higher { vec![(lower, 1.0)] } else { vec![(lower, 0.5), (higher, 0.5)] };
@@ -163,61 +158,14 @@ impl Pairs {
                 }
             }
         }
-        let longest = own.iter().map(|pair| pair.cells).max().unwrap_or(0);
-        Pairs { own, over, ways, longest }
+        let longest = own.iter().map(|pair| pair.cells as usize).max().unwrap_or(0);
+        Pairs { own, over, ways, longest, turned: surroundings.reach.1 > 0 && along_y.is_none() && extent.free }
     }
 
     /// Whether the only front of a window takes care of a pair over it.
     pub(super) fn is_taken(&self, pair: &PairOver, window: &Window<1>) -> bool {
         pair.taken(&self.ways, window)[0] != 0
     }
-}
-
-/// What fronts exchange that are side by side in the middle of a window.
-#[inline(always)]
-pub(super) fn exchange<const L: usize>(pairs: &Pairs, window: &mut Window<L>) {
-    window.note_phases();
-    for (cells, near) in window.near.iter_mut().enumerate().skip(1) {
-        *near = Near::of(cells, &window.fractions);
-    }
-    window.changes.fill([0.0; L]);
-    // Lanes are copied out and back as wholes: a compiler turns the loops over them into vectors.
-    let mut to_middle = [0.0; L];
-    for OwnPair { other, opposite, cells, weight } in &pairs.own {
-        let (above, beyond) = (window.above[*other as usize], window.above[*opposite as usize]);
-        let ([frozen, unfrozen], mut changes) = (window.near[*cells].more, window.changes[*other as usize]);
-        for lane in 0..L {
-            // Where both sides are in the same phase, two fronts move toward each other.
-            let two = above[lane] * beyond[lane] > 0.0;
-            let cold = if two { frozen[1][lane] } else { frozen[0][lane] };
-            let warm = if two { unfrozen[1][lane] } else { unfrozen[0][lane] };
-            let change = weight * above[lane] * if above[lane] > 0.0 { warm } else { cold };
-            changes[lane] -= change;
-            to_middle[lane] += change;
-        }
-        window.changes[*other as usize] = changes;
-    }
-    for pair in &pairs.over {
-        let taken = pair.taken(&pairs.ways, window);
-        let (frozen, unfrozen) = (pair.frozen as usize, pair.unfrozen as usize);
-        let carried = pair.weight * pair.cells as f64;
-        let (below, above) = (window.above[frozen], window.above[unfrozen]);
-        let (near, far) = (window.near[pair.before].inverse[0], window.near[pair.cells - pair.before].inverse[1]);
-        let (mut of_frozen, mut of_unfrozen) = (window.changes[frozen], window.changes[unfrozen]);
-        for lane in 0..L {
-            // Nothing, where the pair is not taken.
-            let below = f64::from_bits(below[lane].to_bits() & taken[lane]);
-            let above = f64::from_bits(above[lane].to_bits() & taken[lane]);
-            let (cold, warm) = (carried * below * near[lane], carried * above * far[lane]);
-            let direct = pair.weight * (above - below);
-            of_frozen[lane] -= cold + direct;
-            of_unfrozen[lane] += direct - warm;
-            to_middle[lane] += cold + warm;
-        }
-        (window.changes[frozen], window.changes[unfrozen]) = (of_frozen, of_unfrozen);
-    }
-    let middle = window.changes.len() / 2;
-    window.changes[middle] = to_middle;
 }
 
 impl HeapSize for Pairs {

@@ -1,6 +1,7 @@
 //! What lies around freezing particles, some of them side by side.
 
 use super::changes::Changes;
+use super::faces::Faces;
 use super::pairs::Near;
 use crate::memory::HeapSize;
 use crate::physics::laws::Laws;
@@ -16,15 +17,17 @@ pub(super) const NONE: u32 = u32::MAX;
 #[derive(Debug, Clone)]
 pub(super) struct Window<const L: usize> {
     /// Places of a row.
-    width: usize,
+    pub(super) width: usize,
     /// Whether, of each freezing particle, all particles of a row of places stand one after the other; and the first of each row.
-    is_whole: [bool; L],
+    pub(super) is_whole: [bool; L],
     firsts: Vec<[u32; L]>,
     /// Particles, where it is not so; [`NONE`] where there is none.
-    particles: Vec<[u32; L]>,
-    /// Their potentials (W/m) less that of the front, zero where there is none.
+    pub(super) particles: Vec<[u32; L]>,
+    /// Their potentials (W/m) less that of the front, zero where there is none, and where a front is.
     pub(super) above: Vec<[f64; L]>,
-    /// All bits of a place whose particle freezes, none of any other.
+    /// The same with those of particles that fronts enter from a face; noted around such particles only.
+    pub(super) all_above: Vec<[f64; L]>,
+    /// All bits of a place whose particle a front is in, or enters from a face; none of any other.
     pub(super) freezing: Vec<[u64; L]>,
     /// What fronts add to their rates (W/m3).
     pub(super) changes: Vec<[f64; L]>,
@@ -42,7 +45,7 @@ pub(super) struct Window<const L: usize> {
     /// Potential (W/m) of the fronts.
     at_front: f64,
     /// Enthalpies (J/m3) of the particles.
-    enthalpies: Vec<[f64; L]>,
+    pub(super) enthalpies: Vec<[f64; L]>,
 }
 
 /// What surrounds windows.
@@ -102,13 +105,14 @@ impl<const L: usize> Window<L> {
             firsts: vec![[0; L]; size / width],
             particles: vec![[NONE; L]; size],
             above: vec![[0.0; L]; size],
+            all_above: vec![[0.0; L]; size],
             freezing: vec![[0; L]; size],
             changes: vec![[0.0; L]; size],
             fractions: [0.5; L],
             free: [[[0; L]; 2]; 2],
             is_clear: true,
             count: 0,
-            near: vec![Near::NOWHERE; longest + 1],
+            near: vec![[[0.0; L]; 2]; longest + 1],
             at_front: 0.0,
             enthalpies: vec![[0.0; L]; size],
         }
@@ -150,9 +154,23 @@ impl<const L: usize> Window<L> {
         }
     }
 
-    /// Takes the potential of the front from all others, and notes which particles freeze.
+    /// Takes the potential of the front from all others, and notes which particles fronts are in, or enter.
     #[inline(always)]
-    pub(super) fn note_phases(&mut self) {
+    pub(super) fn note_phases(&mut self, faces: &Faces) {
+        self.take_front();
+        self.leave_out(faces);
+    }
+
+    /// The same around particles that fronts enter, with the potentials of all of these.
+    #[inline(always)]
+    pub(super) fn note_all_phases(&mut self, faces: &Faces) {
+        self.take_front();
+        self.all_above.copy_from_slice(&self.above);
+        self.leave_out(faces);
+    }
+
+    #[inline(always)]
+    fn take_front(&mut self) {
         let (above, freezing) = (self.above.as_flattened_mut(), self.freezing.as_flattened_mut());
         for (above, freezing) in above.iter_mut().zip(freezing) {
             *above -= self.at_front;
@@ -162,6 +180,32 @@ impl<const L: usize> Window<L> {
             for ((above, freezing), particles) in self.above.iter_mut().zip(&mut self.freezing).zip(&self.particles) {
                 if particles[lane] == NONE {
                     (above[lane], freezing[lane]) = (0.0, 0);
+                }
+            }
+        }
+    }
+
+    /// Lets particles that fronts enter from a face count as freezing ones.
+    #[inline(always)]
+    fn leave_out(&mut self, faces: &Faces) {
+        if faces.entered().is_empty() {
+            return;
+        }
+        for lane in 0..self.count {
+            let mut leave_out = |place: usize| (self.above[place][lane], self.freezing[place][lane]) = (0.0, u64::MAX);
+            if self.is_whole[lane] {
+                for (row, firsts) in self.firsts.iter().enumerate() {
+                    let mut entered = faces.of(firsts[lane], self.width);
+                    while entered != 0 {
+                        leave_out(row * self.width + entered.trailing_zeros() as usize);
+                        entered &= entered - 1;
+                    }
+                }
+            } else {
+                for (place, particles) in self.particles.iter().enumerate() {
+                    if particles[lane] != NONE && faces.holds(particles[lane]) {
+                        leave_out(place);
+                    }
                 }
             }
         }
@@ -239,7 +283,8 @@ impl<const L: usize> Window<L> {
 impl<const L: usize> HeapSize for Window<L> {
     fn heap_size(&self) -> usize {
         let places = (self.particles.capacity() + self.firsts.capacity()) * size_of::<[u32; L]>();
-        let numbers = self.above.capacity() + self.changes.capacity() + self.enthalpies.capacity();
+        let numbers =
+            self.above.capacity() + self.all_above.capacity() + self.changes.capacity() + self.enthalpies.capacity();
         let near = self.near.capacity() * size_of::<Near<L>>();
         places + near + (numbers + self.freezing.capacity()) * size_of::<[f64; L]>()
     }

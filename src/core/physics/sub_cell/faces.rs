@@ -1,0 +1,140 @@
+//! Fronts on faces between particles.
+//!
+//! A front that has left one cell and not yet entered the next lies on the face between the two, while the particle that it is
+//! to enter still has to give off what its unfrozen cell holds above the freezing point, or, frozen, to take up what it lacks.
+//! That particle counts as one that freezes, with a frozen fraction of 0 or 1. Otherwise a front could not leave a cell before the next is
+//! at the freezing point as a whole: where heat from both sides is nearly in balance it would wait there, and lie an eighth of a spacing
+//! behind on average.
+//!
+//! The front enters the particle whose potential is nearer to that of freezing: the other side drives it.
+
+use super::extent::Extent;
+use super::phases::Phases;
+use crate::memory::HeapSize;
+use crate::physics::laws::Laws;
+use crate::physics::sharp_stretches::{Sharp, Stretch};
+use crate::space::lattice::Lattice;
+
+/// Faces of a body at which fronts lie.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Faces {
+    /// Particles that have neighbours in one direction, the first and one past the last, and how many numbers further these are.
+    neighbours: Vec<(u32, u32, u32)>,
+    /// Neighbours between which a front lies.
+    apart: Vec<(u32, u32)>,
+    /// Their materials.
+    materials: Vec<u32>,
+    /// Particles that are entered, by material and number, and whether they are unfrozen.
+    entered: Vec<(u32, u32, bool)>,
+    /// A bit for each particle: whether it is entered.
+    marks: Vec<u64>,
+}
+
+impl Faces {
+    /// Faces of a lattice across which fronts may move.
+    pub(super) fn new(lattice: &Lattice, extent: &Extent) -> Self {
+        let mut neighbours = Vec::new();
+        let rows = if extent.free { lattice.rows } else { 0 };
+        let along_rows = extent.along_y != Some(true);
+        let along_columns = lattice.dimension > 1 && extent.along_y != Some(false);
+        // Rows, of which each has one above it, or the first again.
+        for row in 0..rows {
+            let (first, end) = (lattice.start(row) as u32, lattice.start(row + 1) as u32);
+            if along_rows && end - first > 1 {
+                neighbours.push((first, end - 1, 1));
+                // Of two that repeat, each is the other's neighbour on both sides.
+                if extent.repeats[0] && end - first > 2 {
+                    neighbours.push((first, first + 1, end - 1 - first));
+                }
+            }
+            let last = row + 1 == lattice.rows;
+            if !along_columns || last && !(extent.repeats[1] && lattice.rows > 2) {
+                continue;
+            }
+            let (lower, upper) = if last { (0, row) } else { (row, row + 1) };
+            let ((from, until), (above_from, above_until)) = (lattice.span(lower), lattice.span(upper));
+            let (from_both, until_both) = (from.max(above_from), until.min(above_until));
+            if from_both < until_both {
+                let number = |row: usize, column: usize| (lattice.start(row) + column - lattice.span(row).0) as u32;
+                let (first, above) = (number(lower, from_both), number(upper, from_both));
+                neighbours.push((first, first + (until_both - from_both) as u32, above - first));
+            }
+        }
+        Faces { neighbours, marks: vec![0; lattice.len().div_ceil(64)], ..Faces::default() }
+    }
+
+    /// Finds fronts on faces in a state of enthalpies (J/m3) of particles in some phases.
+    pub(super) fn update(
+        &mut self,
+        phases: &Phases,
+        (materials, stretches): (&[Sharp], &[Stretch]),
+        enthalpy: &[f64],
+        laws: &impl Laws,
+    ) {
+        for (_, particle, _) in self.entered.drain(..) {
+            self.marks[particle as usize / 64] = 0;
+        }
+        self.apart.clear();
+        self.materials.clear();
+        phases.find_apart(&self.neighbours, &mut self.apart);
+        for (one, other) in &self.apart {
+            // Neighbours whose fronts are followed are of one material.
+            let stretch = stretches.partition_point(|stretch| stretch.1 <= *one);
+            let sharp = stretches[stretch].2;
+            self.materials.push(sharp);
+            let material = &materials[sharp as usize];
+            let above = |particle: u32| {
+                let enthalpy = enthalpy[particle as usize];
+                (laws.potential_of(particle as usize, enthalpy) - material.potential, enthalpy > material.interval.1)
+            };
+            let ((own, own_unfrozen), (beyond, beyond_unfrozen)) = (above(*one), above(*other));
+            // Heat from both sides in balance moves no front.
+            if own.abs() < beyond.abs() {
+                self.entered.push((sharp, *one, own_unfrozen));
+            } else if beyond.abs() < own.abs() {
+                self.entered.push((sharp, *other, beyond_unfrozen));
+            }
+        }
+        self.entered.sort_unstable();
+        self.entered.dedup();
+        for (_, particle, _) in &self.entered {
+            self.marks[*particle as usize / 64] |= 1 << (particle % 64);
+        }
+    }
+
+    /// Particles that are entered, by material and number, and whether they are unfrozen.
+    pub(super) fn entered(&self) -> &[(u32, u32, bool)] {
+        &self.entered
+    }
+
+    /// Neighbours between which a front lies, and their materials.
+    pub(super) fn apart(&self) -> impl Iterator<Item = (u32, u32, u32)> {
+        self.apart.iter().zip(&self.materials).map(|((one, other), material)| (*one, *other, *material))
+    }
+
+    /// Whether a particle is entered.
+    #[inline(always)]
+    pub(super) fn holds(&self, particle: u32) -> bool {
+        self.marks[particle as usize / 64] >> (particle % 64) & 1 != 0
+    }
+
+    /// A bit for each of at most 64 particles, from one on: whether they are entered.
+    #[inline(always)]
+    pub(super) fn of(&self, first: u32, count: usize) -> u64 {
+        let (word, shift) = (first as usize / 64, first % 64);
+        let low = self.marks[word] >> shift;
+        let high = if shift as usize + count > 64 { self.marks[word + 1] << (64 - shift) } else { 0 };
+        (low | high) & (u64::MAX >> (64 - count))
+    }
+}
+
+impl HeapSize for Faces {
+    fn heap_size(&self) -> usize {
+        let entered = self.entered.capacity() * size_of::<(u32, u32, bool)>();
+        self.neighbours.heap_size()
+            + self.apart.heap_size()
+            + self.materials.heap_size()
+            + entered
+            + self.marks.heap_size()
+    }
+}

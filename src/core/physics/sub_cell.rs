@@ -10,7 +10,7 @@
 //! the plain exchange with its centre agree: the mean of `d` is `s`. Where both sides of a cell are in the same phase, two
 //! fronts move toward each other, and each has half of the cell. Where a pair reaches over a freezing cell from one
 //! phase to the other, both ends exchange with the front and not with each other. Where a front has left one cell and not yet
-//! entered the next, it lies on the face between them ([`faces`]).
+//! entered the next, it lies on the face between them.
 //!
 //! Every term is exchanged between two particles, so heat is conserved; weights stay positive, so with a step by the row
 //! sums given here the maximum principle holds as without. On a line the error falls with the square of the spacing, for

@@ -49,9 +49,9 @@ fn last(result: &RunResult, file: &str, column: &str) -> f64 {
 }
 
 /// The front around a line that takes 80 W/m (Paterson 1952), by the area that is frozen, and the temperature of the ground at the
-/// pipe's radius. Ground at the outer wall changes by less than 1e-4 K in these twenty days. A front stands to a fiftieth of a spacing
-/// where it should: one that could enter cells only as a whole would stand 0.07 behind. The wall's temperature follows that of the ground around a
-/// sink that is spread over particles.
+/// pipe's radius. Ground at the outer wall changes by less than 1e-4 K in these twenty days. A front stands to a fiftieth of
+/// a spacing where it should: one that could enter cells only as a whole would stand 0.07 behind. The wall's temperature
+/// follows the logarithm of a tenth of a spacing.
 #[test]
 fn the_front_around_a_line_is_that_of_the_exact_solution() {
     let exact = LineSink::new(&material(), 8.0, 80.0);

@@ -19,7 +19,8 @@ fn a_pipe_takes_the_heat_of_the_ground_around_it_alone() {
     let local = methods().iter().copied().find(|kind| kind.name == "local").expect("local");
     let truth = through(&truth.run(local), "inner");
     for kind in even() {
-        let mut pipe = Sketch::new(Domain::Ring { outer_radius: outer, sector: Sector::Quarter }, 0.05)
+        // After half a day the front is 0.13 m away: it must lie beyond the reach of pairs.
+        let mut pipe = Sketch::new(Domain::Ring { outer_radius: outer, sector: Sector::Quarter }, 0.04)
             .wall("outer", "temperature_c = 10");
         (pipe.initial_c, pipe.materials, pipe.duration_s, pipe.outputs) = (10.0, sand(), 4.0 * DAY, 8);
         pipe.pipes = vec![format!("count = 1\nring_radius_m = 0\npipe_radius_m = {radius}\ntemperature_c = -20")];
@@ -28,10 +29,8 @@ fn a_pipe_takes_the_heat_of_the_ground_around_it_alone() {
         let found = through(&result, "pipes");
         for (row, (found, truth)) in result.budget.iter().zip(found.iter().zip(&truth)) {
             let error = 4.0 * found / truth - 1.0;
-            // Ground in its own place would be 9 % more after half a day and 2 % after four. The front is then 2.6 spacings away: no farther
-            // than pairs of `pd` reach, in which temperatures bend.
-            let reach = if kind.name == "pd" && row.time_s < 0.75 * DAY { 0.03 } else { 0.02 };
-            assert!(error.abs() < reach, "{}: {error} after {} d", kind.name, row.time_s / DAY);
+            // Ground in its own place would be 9 % more after half a day and 2 % after four.
+            assert!(error.abs() < 0.02, "{}: {error} after {} d", kind.name, row.time_s / DAY);
         }
     }
 }

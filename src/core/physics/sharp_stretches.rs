@@ -20,9 +20,14 @@ impl Sharp {
     }
 }
 
-/// Neighbouring particles of one material whose fronts are followed: the first, one past the last, and which of the materials that freeze at
-/// one temperature.
+/// Neighbouring particles of one material whose fronts are followed: the first, one past the last, and which of the
+/// materials that freeze at one temperature.
 pub(super) type Stretch = (u32, u32, u32);
+
+/// Which of the materials a particle is of whose front is followed.
+pub(super) fn material_of(stretches: &[Stretch], particle: u32) -> u32 {
+    stretches[stretches.partition_point(|stretch| stretch.1 <= particle)].2
+}
 
 /// The materials that freeze at one temperature, and the stretches of particles whose fronts are followed.
 pub(super) fn stretches(

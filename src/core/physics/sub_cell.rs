@@ -31,7 +31,7 @@ use crate::instruction_set::widest;
 use crate::memory::HeapSize;
 use crate::physics::latent_heat::Materials;
 use crate::physics::laws::Laws;
-use crate::physics::sharp_stretches::{Sharp, Stretch, stretches};
+use crate::physics::sharp_stretches::{Sharp, Stretch, material_of, stretches};
 use crate::solvers::kept::add_one;
 use crate::space::lattice::Lattice;
 use changes::Changes;
@@ -126,8 +126,8 @@ impl SubCellFront {
         });
     }
 
-    /// Time (s) after which, if the rates (W/m3) go on, a particle of a line next begins or ends to freeze, or a front on a face turns to the
-    /// particle on the other side; infinite in a plane, where one of so many always does soon.
+    /// Time (s) after which, if the rates (W/m3) go on, a particle of a line next begins or ends to freeze, or a front on a
+    /// face turns to the particle on the other side; infinite in a plane, where one of so many always does soon.
     pub fn next_kink(&self, enthalpy: &[f64], rates: &[f64], laws: &impl Laws) -> f64 {
         if self.several.is_some() {
             return f64::INFINITY;
@@ -142,10 +142,10 @@ impl SubCellFront {
                 }
             }
         }
-        for (one, other, sharp) in self.faces.apart() {
-            let potential = self.sharp[sharp as usize].potential;
+        for (one, other) in self.faces.apart() {
+            let potential = self.sharp[material_of(&self.stretches, *one) as usize].potential;
             let sides = [one, other].map(|particle| {
-                let particle = particle as usize;
+                let particle = *particle as usize;
                 let above = laws.potential_of(particle, enthalpy[particle]) - potential;
                 (above, laws.slope_of(particle, enthalpy[particle]) * rates[particle])
             });
@@ -161,8 +161,8 @@ impl SubCellFront {
         self.faces.update(&self.phases, followed, enthalpy, laws);
     }
 
-    /// Does something at every front that was found, at most so many of them at a time: by their kind, cells and frozen fractions, by the particle of
-    /// the first, and by the material.
+    /// Does something at every front that was found, at most so many of them at a time: by their kind, cells and frozen
+    /// fractions, by the particle of the first, and by the material.
     fn each_front(
         &mut self,
         lattice: &Lattice,
@@ -170,12 +170,14 @@ impl SubCellFront {
         most: usize,
         mut some: impl FnMut(&mut Self, Kind, &[Front], usize, Sharp),
     ) {
+        let fraction = |Sharp { interval: (frozen, unfrozen), .. }: Sharp, particle: usize| {
+            ((unfrozen - enthalpy[particle]) / (unfrozen - frozen)).clamp(0.0, 1.0)
+        };
         // Particles come in the order of their rows.
         let mut row = 0;
         let (mut freezing, mut fronts) = (std::mem::take(&mut self.freezing), std::mem::take(&mut self.fronts));
         for stretch in 0..self.stretches.len() {
             let sharp = self.sharp[self.stretches[stretch].2 as usize];
-            let (frozen, unfrozen) = sharp.interval;
             freezing.clear();
             self.phases.find_freezing(self.stretches[stretch], &mut freezing);
             for particles in freezing.chunks(most) {
@@ -186,19 +188,22 @@ impl SubCellFront {
                         row += 1;
                     }
                     let column = lattice.span(row).0 + particle - lattice.start(row);
-                    ((column as i64, row as i64), (unfrozen - enthalpy[particle]) / (unfrozen - frozen))
+                    ((column as i64, row as i64), fraction(sharp, particle))
                 }));
                 some(self, Kind::Inside, &fronts, particles[0] as usize, sharp);
             }
         }
         let mut done = 0;
-        while let Some((sharp, particle, _)) = self.faces.entered().get(done).copied() {
+        while let Some((number, first)) = self.faces.entered().get(done).copied() {
+            let sharp = self.sharp[number as usize];
+            let alike = self.faces.entered()[done..].iter().take(most).take_while(|entered| entered.0 == number);
             fronts.clear();
-            let alike = self.faces.entered()[done..].iter().take(most).take_while(|entered| entered.0 == sharp);
-            let front = |unfrozen: bool| if unfrozen { 0.0 } else { 1.0 };
-            fronts.extend(alike.map(|(_, particle, unfrozen)| (lattice.cell(*particle as usize), front(*unfrozen))));
+            fronts.extend(alike.map(|(_, particle)| {
+                let particle = *particle as usize;
+                (lattice.cell(particle), fraction(sharp, particle))
+            }));
             done += fronts.len();
-            some(self, Kind::Entering, &fronts, particle as usize, self.sharp[sharp as usize]);
+            some(self, Kind::Entering, &fronts, first as usize, sharp);
         }
         (self.freezing, self.fronts) = (freezing, fronts);
     }
@@ -227,8 +232,8 @@ impl SubCellFront {
     /// Rate (1/s) at which a freezing particle answers to its own frozen fraction, at most: all that surrounds it is as
     /// far from the freezing point as can be, and every pair as near as a front across it comes.
     ///
-    /// Of two opposite pairs, only one is that near, or both by half. What fronts at an angle add is less than the other: a pair along
-    /// which the front moves twice as fast, or heat along the front.
+    /// Of two opposite pairs, only one is that near, or both by half. What fronts at an angle add is less than the other: a
+    /// pair along which the front moves twice as fast, or heat along the front.
     pub fn own_rate(&self) -> f64 {
         let nearest = |pair: &OwnPair| -> f64 {
             (1..=pair.cells as usize).map(|before| distance(before as f64, 0.0).powi(-2)).sum()

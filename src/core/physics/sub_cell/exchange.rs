@@ -5,9 +5,11 @@ use super::orientation::Orientation;
 use super::pairs::{OwnPair, Pairs, near};
 use super::window::Window;
 
-/// What fronts exchange that are side by side in the middle of a window, in materials that freeze between two enthalpies (J/m3).
+/// What fronts exchange that are side by side in the middle of a window, in materials that freeze between two enthalpies
+/// (J/m3).
 ///
-/// Particles that a front is `ENTERING` from a face have potentials of their own, by which they exchange heat with others: that is taken back.
+/// Particles that a front is `ENTERING` from a face have potentials of their own, by which they exchange heat with others:
+/// that is taken back.
 #[inline(always)]
 pub(super) fn exchange<const L: usize, const ENTERING: bool>(
     pairs: &Pairs,
@@ -38,7 +40,8 @@ pub(super) fn exchange<const L: usize, const ENTERING: bool>(
         if ENTERING {
             for lane in 0..L {
                 let plain = weight * (all_above[lane] - own[lane]);
-                // On its own side a particle exchanges by its own potential until that lies on the line from the front to the other.
+                // On its own side a particle exchanges by its own potential until that lies on the line from the front to the
+                // other.
                 let least = if change[lane] < plain { change[lane] } else { plain };
                 let most = if change[lane] > plain { change[lane] } else { plain };
                 let limited = if own[lane] > 0.0 { least } else { most };

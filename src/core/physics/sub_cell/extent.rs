@@ -11,8 +11,8 @@ pub struct Extent {
     pub repeats: [bool; 2],
     /// Whether fronts run along y, or along x, where nothing varies across.
     pub along_y: Option<bool>,
-    /// Whether fronts may also lie on faces of particles, and at any angle. Not where equations are solved: which of two cells a front enters is
-    /// not continuous, and they may have no solution. Nor beside water that carries heat: what keeps its temperatures in range counts on the
-    /// exchange of all pairs.
+    /// Whether fronts may also lie on faces of particles, and at any angle. Not where equations are solved: which of two
+    /// cells a front enters is not continuous, and they may have no solution. Nor beside water that carries heat: what keeps
+    /// its temperatures in range counts on the exchange of all pairs.
     pub free: bool,
 }

@@ -1,10 +1,10 @@
 //! Fronts on faces between particles.
 //!
-//! A front that has left one cell and not yet entered the next lies on the face between the two, while the particle that it is
-//! to enter still has to give off what its unfrozen cell holds above the freezing point, or, frozen, to take up what it lacks.
-//! That particle counts as one that freezes, with a frozen fraction of 0 or 1. Otherwise a front could not leave a cell before the next is
-//! at the freezing point as a whole: where heat from both sides is nearly in balance it would wait there, and lie an eighth of a spacing
-//! behind on average.
+//! A front that has left one cell and not yet entered the next lies on the face between the two, while the particle that
+//! it is to enter still has to give off what its unfrozen cell holds above the freezing point, or, frozen, to take up what
+//! it lacks. That particle counts as one that freezes, with a frozen fraction of 0 or 1. Otherwise a front could not leave
+//! a cell before the next is at the freezing point as a whole: where heat from both sides is nearly in balance it would wait
+//! there, half of the time and by a quarter of a spacing on average.
 //!
 //! The front enters the particle whose potential is nearer to that of freezing: the other side drives it.
 
@@ -12,20 +12,19 @@ use super::extent::Extent;
 use super::phases::Phases;
 use crate::memory::HeapSize;
 use crate::physics::laws::Laws;
-use crate::physics::sharp_stretches::{Sharp, Stretch};
+use crate::physics::sharp_stretches::{Sharp, Stretch, material_of};
 use crate::space::lattice::Lattice;
 
 /// Faces of a body at which fronts lie.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Faces {
-    /// Particles that have neighbours in one direction, the first and one past the last, and how many numbers further these are.
+    /// Particles that have neighbours in one direction, the first and one past the last, and how many numbers further these
+    /// are.
     neighbours: Vec<(u32, u32, u32)>,
     /// Neighbours between which a front lies.
     apart: Vec<(u32, u32)>,
-    /// Their materials.
-    materials: Vec<u32>,
-    /// Particles that are entered, by material and number, and whether they are unfrozen.
-    entered: Vec<(u32, u32, bool)>,
+    /// Particles that are entered, by material and number.
+    entered: Vec<(u32, u32)>,
     /// A bit for each particle: whether it is entered.
     marks: Vec<u64>,
 }
@@ -71,45 +70,41 @@ impl Faces {
         enthalpy: &[f64],
         laws: &impl Laws,
     ) {
-        for (_, particle, _) in self.entered.drain(..) {
+        for (_, particle) in self.entered.drain(..) {
             self.marks[particle as usize / 64] = 0;
         }
         self.apart.clear();
-        self.materials.clear();
         phases.find_apart(&self.neighbours, &mut self.apart);
         for (one, other) in &self.apart {
             // Neighbours whose fronts are followed are of one material.
-            let stretch = stretches.partition_point(|stretch| stretch.1 <= *one);
-            let sharp = stretches[stretch].2;
-            self.materials.push(sharp);
-            let material = &materials[sharp as usize];
-            let above = |particle: u32| {
-                let enthalpy = enthalpy[particle as usize];
-                (laws.potential_of(particle as usize, enthalpy) - material.potential, enthalpy > material.interval.1)
+            let sharp = material_of(stretches, *one);
+            let from_front = |particle: u32| {
+                let potential = laws.potential_of(particle as usize, enthalpy[particle as usize]);
+                (potential - materials[sharp as usize].potential).abs()
             };
-            let ((own, own_unfrozen), (beyond, beyond_unfrozen)) = (above(*one), above(*other));
+            let (own, beyond) = (from_front(*one), from_front(*other));
             // Heat from both sides in balance moves no front.
-            if own.abs() < beyond.abs() {
-                self.entered.push((sharp, *one, own_unfrozen));
-            } else if beyond.abs() < own.abs() {
-                self.entered.push((sharp, *other, beyond_unfrozen));
+            if own < beyond {
+                self.entered.push((sharp, *one));
+            } else if beyond < own {
+                self.entered.push((sharp, *other));
             }
         }
         self.entered.sort_unstable();
         self.entered.dedup();
-        for (_, particle, _) in &self.entered {
+        for (_, particle) in &self.entered {
             self.marks[*particle as usize / 64] |= 1 << (particle % 64);
         }
     }
 
-    /// Particles that are entered, by material and number, and whether they are unfrozen.
-    pub(super) fn entered(&self) -> &[(u32, u32, bool)] {
+    /// Particles that are entered, by material and number.
+    pub(super) fn entered(&self) -> &[(u32, u32)] {
         &self.entered
     }
 
-    /// Neighbours between which a front lies, and their materials.
-    pub(super) fn apart(&self) -> impl Iterator<Item = (u32, u32, u32)> {
-        self.apart.iter().zip(&self.materials).map(|((one, other), material)| (*one, *other, *material))
+    /// Neighbours between which a front lies.
+    pub(super) fn apart(&self) -> &[(u32, u32)] {
+        &self.apart
     }
 
     /// Whether a particle is entered.
@@ -130,11 +125,6 @@ impl Faces {
 
 impl HeapSize for Faces {
     fn heap_size(&self) -> usize {
-        let entered = self.entered.capacity() * size_of::<(u32, u32, bool)>();
-        self.neighbours.heap_size()
-            + self.apart.heap_size()
-            + self.materials.heap_size()
-            + entered
-            + self.marks.heap_size()
+        self.neighbours.heap_size() + self.apart.heap_size() + self.entered.heap_size() + self.marks.heap_size()
     }
 }

@@ -3,7 +3,8 @@
 use super::pairs::distance;
 use super::window::{NONE, Window};
 
-/// Gradient of the frozen fraction (of eight cells, weighted 1, 2, 1) below which a front has no direction: a plane one has about 4.
+/// Gradient of the frozen fraction (of eight cells, weighted 1, 2, 1) below which a front has no direction: a plane one has
+/// about 4.
 const LEAST_GRADIENT: f64 = 1.0;
 
 /// How the fronts in the middle of a window lie.
@@ -11,10 +12,8 @@ const LEAST_GRADIENT: f64 = 1.0;
 pub(super) struct Orientation<const L: usize> {
     /// Components along x and y of the normal towards the unfrozen side; zeros where it is not known.
     pub(super) normal: [[f64; L]; 2],
-    /// How far (spacings) the front moves while it crosses the cell.
-    ///
-    /// A particle freezes while one of its nearest neighbours along the axis that is nearer to the normal does: so far apart do two fronts lie
-    /// that cross cells next to each other there.
+    /// How far (spacings) the front moves while it crosses the cell: from one neighbour to the next along the axis that is
+    /// nearer to the normal. Heat by the neighbours along both axes freezes a cell in just this time.
     pub(super) width: [f64; L],
     /// The least distance (spacings) along the normal, by spacings of a pair, that a pair counts as.
     pub(super) least: [f64; L],
@@ -73,9 +72,9 @@ impl<const L: usize> Orientation<L> {
         found
     }
 
-    /// How many times as much as the plain one a pair to an offset carries, over so many spacings, by the potential of its end above that of the
-    /// front and by that on the opposite side: the distance is along the pair. Where both sides are in the same phase two fronts move toward each other, and each has half
-    /// of the cell.
+    /// How many times as much as the plain one a pair to an offset carries, over so many spacings, by the potential of its
+    /// end above that of the front and by that on the opposite side: the distance is along the pair. Where both sides are in
+    /// the same phase two fronts move toward each other, and each has half of the cell.
     #[inline(always)]
     pub(super) fn carried(
         &self,
@@ -94,8 +93,8 @@ impl<const L: usize> Orientation<L> {
         whole / if part > nearest { part } else { nearest }
     }
 
-    /// Heat by weight (W/m) that comes along a front, from another cell that it crosses, by the frozen fractions of both: half of what both
-    /// exchange, the other half is that of the other front. None comes from a front that lies ahead or behind.
+    /// Heat by weight (W/m) that comes along a front, from another cell that it crosses, by the frozen fractions of both: half
+    /// of what both exchange, the other half is that of the other front. None comes from a front that lies ahead or behind.
     #[inline(always)]
     pub(super) fn along(&self, offset: [f64; 2], (frozen, other): (f64, f64), lane: usize) -> f64 {
         0.5 * self.slope[lane] * (frozen - other) * self.beside(offset, lane)

@@ -10,8 +10,8 @@ const LOOK: usize = 64;
 /// What a particle that freezes is.
 const FREEZING: u8 = 0;
 
-/// What two neighbours add up to of which one is frozen, 1, and one is not, 2. One at an end of the freezing interval is 4, one whose front is
-/// not followed 8.
+/// What two neighbours add up to of which one is frozen, 1, and one is not, 2. One at an end of the freezing interval is 4,
+/// one whose front is not followed 8.
 const APART: u8 = 3;
 
 /// The phases of all particles.
@@ -37,8 +37,8 @@ impl Phases {
         find_freezing(&self.0[first as usize..end as usize], first, freezing);
     }
 
-    /// Adds neighbours of which one is frozen and the other not; these are given by the first that have one, one past the last, and how many
-    /// numbers further it is.
+    /// Adds neighbours of which one is frozen and the other not; these are given by the first that have one, one past the
+    /// last, and how many numbers further it is.
     pub(super) fn find_apart(&self, neighbours: &[(u32, u32, u32)], apart: &mut Vec<(u32, u32)>) {
         find_apart(&self.0, neighbours, apart);
     }
@@ -67,20 +67,33 @@ widest!(find_freezing, find_freezing_each, (phases: &[u8], first: u32, freezing:
 #[inline(always)]
 fn find_freezing_each(phases: &[u8], first: u32, freezing: &mut Vec<u32>) {
     let (looks, rest) = phases.as_chunks::<LOOK>();
-    let mut note = |phases: &[u8], first: u32| {
-        freezing.extend((first..).zip(phases).filter(|(_, phase)| **phase == FREEZING).map(|(particle, _)| particle));
-    };
     for (look, first) in looks.iter().zip((first..).step_by(LOOK)) {
-        // Answers as wide as phases stay where these are compared.
-        if look.iter().fold(0, |any, phase| any | u8::from(*phase == FREEZING)) != 0 {
-            for (group, first) in look.as_chunks::<8>().0.iter().zip((first..).step_by(8)) {
-                if group.iter().fold(0, |any, phase| any | u8::from(*phase == FREEZING)) != 0 {
-                    note(group, first);
-                }
-            }
+        if any_freezes(look) {
+            find_closely(look, first, freezing);
         }
     }
-    note(rest, first + (phases.len() - rest.len()) as u32);
+    find_closely(rest, first + (phases.len() - rest.len()) as u32, freezing);
+}
+
+/// Whether any of some particles freezes. Answers as wide as phases stay where these are compared.
+#[inline(always)]
+fn any_freezes<const COUNT: usize>(phases: &[u8; COUNT]) -> bool {
+    phases.iter().fold(0, |any, phase| any | u8::from(*phase == FREEZING)) != 0
+}
+
+/// The same as [`find_freezing`], of few particles.
+#[inline(always)]
+fn find_closely(phases: &[u8], first: u32, freezing: &mut Vec<u32>) {
+    let (groups, rest) = phases.as_chunks::<8>();
+    let mut one_by_one = |phases: &[u8], first: u32| {
+        freezing.extend((first..).zip(phases).filter(|(_, phase)| **phase == FREEZING).map(|(particle, _)| particle));
+    };
+    for (group, first) in groups.iter().zip((first..).step_by(8)) {
+        if any_freezes(group) {
+            one_by_one(group, first);
+        }
+    }
+    one_by_one(rest, first + (phases.len() - rest.len()) as u32);
 }
 
 widest!(find_apart, find_apart_each, (phases: &[u8], neighbours: &[(u32, u32, u32)], apart: &mut Vec<(u32, u32)>));

@@ -21,8 +21,9 @@ pub(super) struct FrontTangent {
 }
 
 impl SubCellFront {
-    /// Linearises at a state of enthalpies (J/m3) of a body whose equations are solved. Potentials of freezing particles do not follow their enthalpies: they are given the
-    /// slope `steepest` (m2/s) in `slopes`, and stand for the change of the enthalpy.
+    /// Linearises at a state of enthalpies (J/m3) of a body whose equations are solved. Potentials of freezing particles do
+    /// not follow their enthalpies: they are given the slope `steepest` (m2/s) in `slopes`, and stand for the change of the
+    /// enthalpy.
     pub fn linearise(
         &mut self,
         lattice: &Lattice,

@@ -20,6 +20,7 @@ mod changes;
 mod exchange;
 mod extent;
 mod faces;
+mod numbers;
 mod orientation;
 mod pairs;
 mod phases;
@@ -27,7 +28,7 @@ mod tangent;
 mod window;
 
 use crate::bonds::stencil::Stencil;
-use crate::instruction_set::widest;
+use crate::instruction_set::InstructionSet;
 use crate::memory::HeapSize;
 use crate::physics::latent_heat::Materials;
 use crate::physics::laws::Laws;
@@ -38,6 +39,7 @@ use changes::Changes;
 use exchange::exchange;
 pub use extent::Extent;
 use faces::Faces;
+use numbers::{Kind, Portable};
 use pairs::{LANES, OwnPair, Pairs, distance};
 use phases::Phases;
 use tangent::FrontTangent;
@@ -69,7 +71,7 @@ pub struct SubCellFront {
 
 /// Where a front is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Kind {
+enum Where {
     /// In the cell of a freezing particle.
     Inside,
     /// On the face of a particle that it enters.
@@ -116,12 +118,12 @@ impl SubCellFront {
         self.changes.clear();
         self.look(enthalpy, laws);
         let most = if self.several.is_some() { LANES } else { 1 };
-        self.each_front(lattice, enthalpy, most, |front, kind, fronts, _, sharp| {
+        self.each_front(lattice, enthalpy, most, |front, lies, fronts, _, sharp| {
             let SubCellFront { pairs, faces, surroundings, several, one, changes, .. } = front;
-            let (all, place, states) = ((&*pairs, &*faces, kind), (lattice, &*surroundings), (laws, enthalpy));
+            let (all, place, states) = ((&*pairs, &*faces, lies), (lattice, &*surroundings), (laws, enthalpy));
             match several {
                 Some(window) => act_widely(window, all, place, fronts, states, &sharp, changes),
-                None => act(one, all, place, fronts, states, &sharp, changes),
+                None => act((Portable, one), all, place, fronts, states, &sharp, changes),
             }
         });
     }
@@ -168,7 +170,7 @@ impl SubCellFront {
         lattice: &Lattice,
         enthalpy: &[f64],
         most: usize,
-        mut some: impl FnMut(&mut Self, Kind, &[Front], usize, Sharp),
+        mut some: impl FnMut(&mut Self, Where, &[Front], usize, Sharp),
     ) {
         let fraction = |Sharp { interval: (frozen, unfrozen), .. }: Sharp, particle: usize| {
             ((unfrozen - enthalpy[particle]) / (unfrozen - frozen)).clamp(0.0, 1.0)
@@ -190,7 +192,7 @@ impl SubCellFront {
                     let column = lattice.span(row).0 + particle - lattice.start(row);
                     ((column as i64, row as i64), fraction(sharp, particle))
                 }));
-                some(self, Kind::Inside, &fronts, particles[0] as usize, sharp);
+                some(self, Where::Inside, &fronts, particles[0] as usize, sharp);
             }
         }
         let mut done = 0;
@@ -203,7 +205,7 @@ impl SubCellFront {
                 (lattice.cell(particle), fraction(sharp, particle))
             }));
             done += fronts.len();
-            some(self, Kind::Entering, &fronts, first as usize, sharp);
+            some(self, Where::Entering, &fronts, first as usize, sharp);
         }
         (self.freezing, self.fronts) = (freezing, fronts);
     }
@@ -263,25 +265,56 @@ pub fn at_the_centre(lattice: &Lattice, index: usize, fraction: f64, temperature
     if count > 0.0 { sum / count } else { 0.0 }
 }
 
-widest!(
-    act_widely,
-    act[Lw: Laws, _],
-    (
-        window: &mut Window<LANES>,
-        all: (&Pairs, &Faces, Kind),
-        place: (&Lattice, &Surroundings),
-        fronts: &[Front],
-        states: (&Lw, &[f64]),
-        material: &Sharp,
-        changes: &mut Changes
-    )
-);
+/// Lets some fronts of a kind act on what lies around them, by the widest vectors that may be used.
+fn act_widely<Lw: Laws>(
+    window: &mut Window<LANES>,
+    all: (&Pairs, &Faces, Where),
+    place: (&Lattice, &Surroundings),
+    fronts: &[Front],
+    states: (&Lw, &[f64]),
+    material: &Sharp,
+    changes: &mut Changes,
+) {
+    #[cfg(target_arch = "x86_64")]
+    {
+        use numbers::{Avx2, Avx512};
+
+        macro_rules! wide {
+            ($name:ident, $kind:ident, $feature:literal) => {
+                #[target_feature(enable = $feature)]
+                fn $name<Lw: Laws>(
+                    window: &mut Window<LANES>,
+                    all: (&Pairs, &Faces, Where),
+                    place: (&Lattice, &Surroundings),
+                    fronts: &[Front],
+                    states: (&Lw, &[f64]),
+                    material: &Sharp,
+                    changes: &mut Changes,
+                ) {
+                    // SAFETY: this is compiled for what the kind needs.
+                    let kind = unsafe { $kind::new() };
+                    act((kind, window), all, place, fronts, states, material, changes);
+                }
+            };
+        }
+        wide!(avx512, Avx512, "avx512f,avx512vl");
+        wide!(avx2, Avx2, "avx2");
+        match InstructionSet::widest() {
+            // SAFETY: the processor has just been asked for these features.
+            InstructionSet::Avx512 => return unsafe { avx512(window, all, place, fronts, states, material, changes) },
+            // SAFETY: as above.
+            InstructionSet::Avx2 => return unsafe { avx2(window, all, place, fronts, states, material, changes) },
+            InstructionSet::Portable => {}
+        }
+    }
+    act((Portable, window), all, place, fronts, states, material, changes);
+}
 
 /// Lets some fronts of a kind act on what lies around them: see [`Window::look_around`].
 #[inline(always)]
 fn act<Lw: Laws, const L: usize>(
-    window: &mut Window<L>,
-    (pairs, faces, kind): (&Pairs, &Faces, Kind),
+    (kind, window): (impl Kind<L>, &mut Window<L>),
+    (pairs, faces, front): (&Pairs, &Faces, Where),
     place: (&Lattice, &Surroundings),
     fronts: &[Front],
     states: (&Lw, &[f64]),
@@ -289,9 +322,9 @@ fn act<Lw: Laws, const L: usize>(
     changes: &mut Changes,
 ) {
     window.look_around(place, fronts, states, (material.potential, material.middle()));
-    match kind {
-        Kind::Inside => exchange::<L, false>(pairs, faces, material.interval, window),
-        Kind::Entering => exchange::<L, true>(pairs, faces, material.interval, window),
+    match front {
+        Where::Inside => exchange::<_, L, false>(kind, pairs, faces, material.interval, window),
+        Where::Entering => exchange::<_, L, true>(kind, pairs, faces, material.interval, window),
     }
     window.collect(changes);
 }

@@ -1,8 +1,9 @@
 //! What fronts exchange with what lies around them.
 
 use super::faces::Faces;
+use super::numbers::{Flags as _, Kind, Numbers as _};
 use super::orientation::Orientation;
-use super::pairs::{OwnPair, Pairs, near};
+use super::pairs::{Pairs, near};
 use super::window::Window;
 
 /// What fronts exchange that are side by side in the middle of a window, in materials that freeze between two enthalpies
@@ -11,7 +12,8 @@ use super::window::Window;
 /// Particles that a front is `ENTERING` from a face have potentials of their own, by which they exchange heat with others:
 /// that is taken back.
 #[inline(always)]
-pub(super) fn exchange<const L: usize, const ENTERING: bool>(
+pub(super) fn exchange<K: Kind<L>, const L: usize, const ENTERING: bool>(
+    kind: K,
     pairs: &Pairs,
     faces: &Faces,
     interval: (f64, f64),
@@ -22,78 +24,74 @@ pub(super) fn exchange<const L: usize, const ENTERING: bool>(
     } else {
         window.note_phases(faces);
     }
-    let lies = if pairs.turned { Orientation::of(window, interval) } else { Orientation::FLAT };
-    let own = if ENTERING { window.all_above[window.above.len() / 2] } else { [0.0; L] };
-    let fractions = window.fractions;
+    let lies = if pairs.turned { Orientation::of(kind, window, interval) } else { Orientation::flat(kind) };
+    let (zero, one, half) = (kind.of(0.0), kind.of(1.0), kind.of(0.5));
+    let own = if ENTERING { kind.load(&window.all_above[window.above.len() / 2]) } else { zero };
+    let fractions = kind.load(&window.fractions);
     window.changes.fill([0.0; L]);
-    // Lanes are copied out and back as wholes: a compiler turns the loops over them into vectors.
-    let mut to_middle = [0.0; L];
-    for OwnPair { other, opposite, cells, offset, weight } in &pairs.own {
-        let other = *other as usize;
-        let (above, beyond, freezing) = (window.above[other], window.above[*opposite as usize], window.freezing[other]);
-        let all_above = if ENTERING { window.all_above[other] } else { above };
-        let mut change = [0.0; L];
-        for lane in 0..L {
-            let carried = lies.carried((*offset, *cells), (above[lane], beyond[lane]), fractions[lane], lane);
-            change[lane] = weight * above[lane] * if ENTERING { carried } else { carried - 1.0 };
-        }
+    let mut to_middle = zero;
+    for pair in &pairs.own {
+        let (other, weight) = (pair.other as usize, kind.of(pair.weight));
+        let above = kind.load(&window.above[other]);
+        let beyond = kind.load(&window.above[pair.opposite as usize]);
+        let carried = lies.carried(kind, pair, (above, beyond), fractions);
+        let mut change = weight * above * if ENTERING { carried } else { carried - one };
+        let freezing = kind.flags(&window.freezing[other]);
         if ENTERING {
-            for lane in 0..L {
-                let plain = weight * (all_above[lane] - own[lane]);
-                // On its own side a particle exchanges by its own potential until that lies on the line from the front to the
-                // other.
-                let least = if change[lane] < plain { change[lane] } else { plain };
-                let most = if change[lane] > plain { change[lane] } else { plain };
-                let limited = if own[lane] > 0.0 { least } else { most };
-                let beside = if above[lane] * own[lane] > 0.0 { limited } else { change[lane] };
-                // Of two that are entered, each takes back half.
-                let back = if all_above[lane] != 0.0 { -0.5 * plain } else { -plain };
-                let at_front = if freezing[lane] != 0 { back } else { 0.0 };
-                change[lane] = if above[lane] != 0.0 { beside - plain } else { at_front };
-            }
+            let all_above = kind.load(&window.all_above[other]);
+            let plain = weight * (all_above - own);
+            // On its own side a particle exchanges by its own potential until that lies on the line from the front to the
+            // other.
+            let limited = change.or_less(plain).or(zero.is_less(own), change.or_greater(plain));
+            let beside = limited.or(zero.is_less(above * own), change);
+            // Of two that are entered, each takes back half.
+            let back = (half * plain).or(all_above.differs(zero), plain);
+            let at_front = (zero - back).or(freezing, zero);
+            change = (beside - plain).or(above.differs(zero), at_front);
         }
-        if pairs.turned && freezing.iter().fold(0, |any, freezing| any | freezing) != 0 {
-            for lane in 0..L {
-                let other = window.frozen_fraction(other, lane, interval);
-                let along = weight * lies.along(*offset, (fractions[lane], other), lane);
-                change[lane] += if freezing[lane] != 0 { along } else { 0.0 };
-            }
+        if pairs.turned && freezing.any() {
+            let other = window.frozen_fraction(kind, other, interval);
+            let along = weight * lies.along(kind, pair.offset, (fractions, other));
+            change = change + along.or(freezing, zero);
         }
-        let mut changes = window.changes[other];
-        for lane in 0..L {
-            changes[lane] -= change[lane];
-            to_middle[lane] += change[lane];
-        }
-        window.changes[other] = changes;
+        let changes = kind.load(&window.changes[other]) - change;
+        kind.store(changes, &mut window.changes[other]);
+        to_middle = to_middle + change;
     }
-    exchange_over(pairs, window, to_middle);
+    exchange_over(kind, pairs, window, to_middle);
 }
 
 /// Adds what pairs over the fronts exchange, and notes what comes to the middle.
 #[inline(always)]
-fn exchange_over<const L: usize>(pairs: &Pairs, window: &mut Window<L>, mut to_middle: [f64; L]) {
+fn exchange_over<K: Kind<L>, const L: usize>(
+    kind: K,
+    pairs: &Pairs,
+    window: &mut Window<L>,
+    mut to_middle: K::Numbers,
+) {
     for (cells, own) in window.near.iter_mut().enumerate().skip(1) {
-        *own = near(cells, &window.fractions);
+        *own = near(kind, cells, &window.fractions);
     }
+    let zero = kind.of(0.0);
     for pair in &pairs.over {
-        let taken = pair.taken(&pairs.ways, window);
-        let (frozen, unfrozen) = (pair.frozen as usize, pair.unfrozen as usize);
-        let carried = pair.weight * pair.cells as f64;
-        let (below, above) = (window.above[frozen], window.above[unfrozen]);
-        let (near, far) = (window.near[pair.before][0], window.near[pair.cells - pair.before][1]);
-        let (mut of_frozen, mut of_unfrozen) = (window.changes[frozen], window.changes[unfrozen]);
-        for lane in 0..L {
-            // Nothing, where the pair is not taken.
-            let below = f64::from_bits(below[lane].to_bits() & taken[lane]);
-            let above = f64::from_bits(above[lane].to_bits() & taken[lane]);
-            let (cold, warm) = (carried * below * near[lane], carried * above * far[lane]);
-            let direct = pair.weight * (above - below);
-            of_frozen[lane] -= cold + direct;
-            of_unfrozen[lane] += direct - warm;
-            to_middle[lane] += cold + warm;
+        let taken = pair.taken(kind, &pairs.ways, window);
+        if !taken.any() {
+            continue;
         }
-        (window.changes[frozen], window.changes[unfrozen]) = (of_frozen, of_unfrozen);
+        let (frozen, unfrozen, weight) = (pair.frozen as usize, pair.unfrozen as usize, kind.of(pair.weight));
+        let carried = kind.of(pair.weight * pair.cells as f64);
+        let below = kind.load(&window.above[frozen]).or(taken, zero);
+        let above = kind.load(&window.above[unfrozen]).or(taken, zero);
+        let near = kind.load(&window.near[pair.before][0]);
+        let far = kind.load(&window.near[pair.cells - pair.before][1]);
+        let (cold, warm) = (carried * below * near, carried * above * far);
+        let direct = weight * (above - below);
+        let of_frozen = kind.load(&window.changes[frozen]) - (cold + direct);
+        let of_unfrozen = kind.load(&window.changes[unfrozen]) + (direct - warm);
+        kind.store(of_frozen, &mut window.changes[frozen]);
+        kind.store(of_unfrozen, &mut window.changes[unfrozen]);
+        to_middle = to_middle + (cold + warm);
     }
     let middle = window.changes.len() / 2;
-    window.changes[middle] = to_middle;
+    kind.store(to_middle, &mut window.changes[middle]);
 }

@@ -1,6 +1,7 @@
 //! Which way fronts lie in the cells that they cross.
 
-use super::pairs::distance;
+use super::numbers::{Kind, Numbers};
+use super::pairs::OwnPair;
 use super::window::{NONE, Window};
 
 /// Gradient of the frozen fraction (of eight cells, weighted 1, 2, 1) below which a front has no direction: a plane one has
@@ -9,137 +10,135 @@ const LEAST_GRADIENT: f64 = 1.0;
 
 /// How the fronts in the middle of a window lie.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Orientation<const L: usize> {
+pub(super) struct Orientation<N> {
     /// Components along x and y of the normal towards the unfrozen side; zeros where it is not known.
-    pub(super) normal: [[f64; L]; 2],
+    normal: [N; 2],
     /// How far (spacings) the front moves while it crosses the cell: from one neighbour to the next along the axis that is
     /// nearer to the normal. Heat by the neighbours along both axes freezes a cell in just this time.
-    pub(super) width: [f64; L],
+    width: N,
     /// The least distance (spacings) along the normal, by spacings of a pair, that a pair counts as.
-    pub(super) least: [f64; L],
+    least: N,
     /// Slope of the potential across the front (W/m by spacing), by the shares of both phases in the cell.
-    pub(super) slope: [f64; L],
+    slope: N,
 }
 
-impl<const L: usize> Orientation<L> {
+impl<N: Numbers> Orientation<N> {
     /// Across the axis of each pair.
-    pub(super) const FLAT: Self =
-        Orientation { normal: [[0.0; L]; 2], width: [1.0; L], least: [1.0; L], slope: [0.0; L] };
+    #[inline(always)]
+    pub(super) fn flat<const L: usize>(kind: impl Kind<L, Numbers = N>) -> Self {
+        let (zero, one) = (kind.of(0.0), kind.of(1.0));
+        Orientation { normal: [zero; 2], width: one, least: one, slope: zero }
+    }
 
     /// From the frozen fractions around the cells, by Youngs' weights, and from the potentials next to them.
     #[inline(always)]
-    pub(super) fn of(window: &Window<L>, interval: (f64, f64)) -> Self {
-        let mut found = Self::FLAT;
+    pub(super) fn of<const L: usize>(
+        kind: impl Kind<L, Numbers = N, Flags = N::Flags>,
+        window: &Window<L>,
+        interval: (f64, f64),
+    ) -> Self {
         let (middle, width) = (window.above.len() / 2, window.width);
         let place = |dx: isize, dy: isize| middle.wrapping_add_signed(dx + dy * width as isize);
-        let fraction = |dx: isize, dy: isize| window.frozen_fractions(place(dx, dy), place(-dx, -dy), interval);
-        let mut gradient = [[0.0; L]; 2];
+        let fraction = |dx: isize, dy: isize| window.frozen_fractions(kind, place(dx, dy), place(-dx, -dy), interval);
+        let (zero, half, one) = (kind.of(0.0), kind.of(0.5), kind.of(1.0));
+        let [mut x, mut y] = [zero; 2];
         for (dx, dy, along_x, along_y) in [(1, 0, 2.0, 0.0), (0, 1, 0.0, 2.0), (1, 1, 1.0, 1.0), (1, -1, 1.0, -1.0)] {
-            let (behind, ahead) = (fraction(-dx, -dy), fraction(dx, dy));
-            for lane in 0..L {
-                let drop = behind[lane] - ahead[lane];
-                gradient[0][lane] += along_x * drop;
-                gradient[1][lane] += along_y * drop;
-            }
+            let drop = fraction(-dx, -dy) - fraction(dx, dy);
+            x = x + kind.of(along_x) * drop;
+            y = y + kind.of(along_y) * drop;
         }
-        for lane in 0..L {
-            let (x, y) = (gradient[0][lane], gradient[1][lane]);
-            let size = (x * x + y * y).sqrt();
-            let is_known = size >= LEAST_GRADIENT;
-            let scale = if is_known { 1.0 / size } else { 0.0 };
-            (found.normal[0][lane], found.normal[1][lane]) = (x * scale, y * scale);
-            let width = (x * scale).abs().max((y * scale).abs());
-            found.width[lane] = if is_known { width } else { 1.0 };
-            found.least[lane] = if is_known { 0.5 * width } else { 1.0 };
-        }
-        let mut slopes = [[0.0; L]; 2];
+        let size = (x * x + y * y).root();
+        let is_known = !size.is_less(kind.of(LEAST_GRADIENT));
+        let scale = (one / size).or(is_known, zero);
+        let normal = [x * scale, y * scale];
+        let width = normal[0].size().or_greater(normal[1].size()).or(is_known, one);
+        let least = (half * width).or(is_known, one);
+        let fractions = kind.load(&window.fractions);
+        // The steepest on both sides.
+        let [mut frozen, mut unfrozen] = [zero; 2];
         for (dx, dy) in [(1, 0), (-1, 0), (0, 1), (0, -1)] {
-            let (above, beyond) = (window.above[place(dx, dy)], window.above[place(-dx, -dy)]);
-            for lane in 0..L {
-                let frozen = above[lane] < 0.0;
-                let share = if frozen { window.fractions[lane] } else { 1.0 - window.fractions[lane] };
-                let slope =
-                    if above[lane] * beyond[lane] > 0.0 { 0.0 } else { above[lane].abs() / distance(1.0, share) };
-                slopes[0][lane] = if frozen && slope > slopes[0][lane] { slope } else { slopes[0][lane] };
-                slopes[1][lane] = if !frozen && slope > slopes[1][lane] { slope } else { slopes[1][lane] };
-            }
+            let (above, beyond) = (kind.load(&window.above[place(dx, dy)]), kind.load(&window.above[place(-dx, -dy)]));
+            let is_alone = !zero.is_less(above * beyond);
+            frozen = above.size().or(above.is_less(zero) & is_alone, zero).or_greater(frozen);
+            unfrozen = above.or(zero.is_less(above) & is_alone, zero).or_greater(unfrozen);
         }
-        for lane in 0..L {
-            let frozen = window.fractions[lane];
-            let slope = frozen * slopes[0][lane] + (1.0 - frozen) * slopes[1][lane];
-            found.slope[lane] = if found.least[lane] < 1.0 { slope } else { 0.0 };
-        }
-        found
+        let rest = one - fractions;
+        let slope = fractions * (frozen / (half + fractions)) + rest * (unfrozen / (half + rest));
+        Orientation { normal, width, least, slope: slope.or(least.is_less(one), zero) }
     }
 
-    /// How many times as much as the plain one a pair to an offset carries, over so many spacings, by the potential of its
-    /// end above that of the front and by that on the opposite side: the distance is along the pair. Where both sides are in
-    /// the same phase two fronts move toward each other, and each has half of the cell.
+    /// How many times as much as the plain one a pair carries, by the potential of its end above that of the front and by
+    /// that on the opposite side: the distance is along the pair. Where both sides are in the same phase two fronts move
+    /// toward each other, and each has half of the cell.
     #[inline(always)]
-    pub(super) fn carried(
+    pub(super) fn carried<const L: usize>(
         &self,
-        (offset, cells): ([f64; 2], f64),
-        (above, beyond): (f64, f64),
-        frozen: f64,
-        lane: usize,
-    ) -> f64 {
-        let two = above * beyond > 0.0;
-        let along = self.normal[0][lane] * offset[0] + self.normal[1][lane] * offset[1];
-        let (share, along) = if above < 0.0 { (frozen, -along) } else { (1.0 - frozen, along) };
-        let least = cells * self.least[lane];
-        let far = if along > least { along } else { least };
-        let (whole, width, share) = if two { (cells, 1.0, 0.5 * share) } else { (far, self.width[lane], share) };
-        let (part, nearest) = (whole + width * (share - 0.5), whole * (0.5 / cells));
-        whole / if part > nearest { part } else { nearest }
+        kind: impl Kind<L, Numbers = N, Flags = N::Flags>,
+        OwnPair { offset, cells, .. }: &OwnPair,
+        (above, beyond): (N, N),
+        frozen: N,
+    ) -> N {
+        let (zero, half, one, cells) = (kind.of(0.0), kind.of(0.5), kind.of(1.0), kind.of(*cells));
+        let are_two = zero.is_less(above * beyond);
+        let is_frozen = above.is_less(zero);
+        let along = self.normal[0] * kind.of(offset[0]) + self.normal[1] * kind.of(offset[1]);
+        let share = frozen.or(is_frozen, one - frozen);
+        let along = (zero - along).or(is_frozen, along);
+        let far = along.or_greater(cells * self.least);
+        let (whole, width) = (cells.or(are_two, far), one.or(are_two, self.width));
+        let share = (half * share).or(are_two, share);
+        let part = whole + width * (share - half);
+        whole / part.or_greater(whole * (half / cells))
     }
 
     /// Heat by weight (W/m) that comes along a front, from another cell that it crosses, by the frozen fractions of both: half
     /// of what both exchange, the other half is that of the other front. None comes from a front that lies ahead or behind.
     #[inline(always)]
-    pub(super) fn along(&self, offset: [f64; 2], (frozen, other): (f64, f64), lane: usize) -> f64 {
-        0.5 * self.slope[lane] * (frozen - other) * self.beside(offset, lane)
-    }
-
-    /// How much a cell counts as beside this one and not ahead or behind.
-    #[inline(always)]
-    pub(super) fn beside(&self, offset: [f64; 2], lane: usize) -> f64 {
-        let along = self.normal[0][lane] * offset[0] + self.normal[1][lane] * offset[1];
-        let beside = 4.0 - 4.0 * along.abs() / self.width[lane];
-        if beside > 1.0 {
-            1.0
-        } else if beside > 0.0 {
-            beside
-        } else {
-            0.0
-        }
+    pub(super) fn along<const L: usize>(
+        &self,
+        kind: impl Kind<L, Numbers = N, Flags = N::Flags>,
+        offset: [f64; 2],
+        (frozen, other): (N, N),
+    ) -> N {
+        let along = self.normal[0] * kind.of(offset[0]) + self.normal[1] * kind.of(offset[1]);
+        let beside = kind.of(4.0) - kind.of(4.0) * along.size() / self.width;
+        let (zero, one) = (kind.of(0.0), kind.of(1.0));
+        let beside = one.or_less(beside.or_greater(zero));
+        kind.of(0.5) * self.slope * (frozen - other) * beside
     }
 }
 
 impl<const L: usize> Window<L> {
-    /// Frozen fraction at a place, by the enthalpies (J/m3) between which particles freeze.
+    /// Frozen fractions at a place, by the enthalpies (J/m3) between which particles freeze.
     #[inline(always)]
-    pub(super) fn frozen_fraction(&self, place: usize, lane: usize, (frozen, unfrozen): (f64, f64)) -> f64 {
-        let fraction = (unfrozen - self.enthalpies[place][lane]) * (1.0 / (unfrozen - frozen));
-        fraction.clamp(0.0, 1.0)
+    pub(super) fn frozen_fraction<K: Kind<L>>(
+        &self,
+        kind: K,
+        place: usize,
+        (frozen, unfrozen): (f64, f64),
+    ) -> K::Numbers {
+        let above = kind.of(unfrozen) - kind.load(&self.enthalpies[place]);
+        let fraction = above * kind.of(1.0 / (unfrozen - frozen));
+        kind.of(1.0).or_less(kind.of(0.0).or_greater(fraction))
     }
 
-    /// Frozen fractions at a place. Where there is no particle they go on as from the opposite place to the middle.
+    /// The same. Where there is no particle they go on as from the opposite place to the middle.
     #[inline(always)]
-    fn frozen_fractions(&self, place: usize, opposite: usize, interval: (f64, f64)) -> [f64; L] {
-        let mut fractions = [0.0; L];
-        for lane in 0..L {
-            fractions[lane] = self.frozen_fraction(place, lane, interval);
+    fn frozen_fractions<K: Kind<L>>(&self, kind: K, place: usize, opposite: usize, interval: (f64, f64)) -> K::Numbers {
+        let fractions = self.frozen_fraction(kind, place, interval);
+        if self.are_whole {
+            return fractions;
         }
+        let [mut found, mut beyond] = [[0.0; L]; 2];
+        kind.store(fractions, &mut found);
+        kind.store(self.frozen_fraction(kind, opposite, interval), &mut beyond);
         for lane in (0..self.count).filter(|lane| !self.is_whole[*lane]) {
             if self.particles[place][lane] == NONE {
-                let beyond = if self.particles[opposite][lane] == NONE {
-                    self.fractions[lane]
-                } else {
-                    self.frozen_fraction(opposite, lane, interval)
-                };
-                fractions[lane] = (2.0 * self.fractions[lane] - beyond).clamp(0.0, 1.0);
+                let is_missing = self.particles[opposite][lane] == NONE;
+                let beyond = if is_missing { self.fractions[lane] } else { beyond[lane] };
+                found[lane] = (2.0 * self.fractions[lane] - beyond).clamp(0.0, 1.0);
             }
         }
-        fractions
+        kind.load(&found)
     }
 }

@@ -1,6 +1,7 @@
 //! Pairs of freezing particles, and pairs that pass over them.
 
 use super::extent::Extent;
+use super::numbers::{Flags as _, Kind, Numbers as _, Portable};
 use super::window::{Surroundings, Window};
 use crate::bonds::stencil::Stencil;
 use crate::memory::HeapSize;
@@ -69,12 +70,12 @@ pub(super) type Near<const L: usize> = [[f64; L]; 2];
 
 /// How near fronts are to ends so many spacings from the middle, by the frozen fractions of their cells.
 #[inline(always)]
-pub(super) fn near<const L: usize>(cells: usize, fractions: &[f64; L]) -> Near<L> {
-    let (mut near, cells) = ([[0.0; L]; 2], cells as f64);
-    for lane in 0..L {
-        near[0][lane] = 1.0 / distance(cells, fractions[lane]);
-        near[1][lane] = 1.0 / distance(cells, 1.0 - fractions[lane]);
-    }
+pub(super) fn near<K: Kind<L>, const L: usize>(kind: K, cells: usize, fractions: &[f64; L]) -> Near<L> {
+    let (one, fractions) = (kind.of(1.0), kind.load(fractions));
+    let before = kind.of(cells as f64 - 0.5);
+    let mut near = [[0.0; L]; 2];
+    kind.store(one / (before + fractions), &mut near[0]);
+    kind.store(one / (before + (one - fractions)), &mut near[1]);
     near
 }
 
@@ -93,24 +94,24 @@ impl PairOver {
     /// Nor where a wall that heat passes makes an image of one end for the other: the image weighs against the pair itself, and
     /// would be left without it.
     #[inline(always)]
-    pub(super) fn taken<const L: usize>(&self, ways: &[u32], window: &Window<L>) -> [u64; L] {
-        let (below, above) = (window.above[self.frozen as usize], window.above[self.unfrozen as usize]);
-        let mut taken = [0; L];
-        for lane in 0..L {
-            taken[lane] = if (below[lane] < 0.0) & (above[lane] > 0.0) { u64::MAX } else { 0 };
-        }
+    pub(super) fn taken<K: Kind<L>, const L: usize>(&self, kind: K, ways: &[u32], window: &Window<L>) -> K::Flags {
+        let below = kind.load(&window.above[self.frozen as usize]);
+        let above = kind.load(&window.above[self.unfrozen as usize]);
+        let zero = kind.of(0.0);
+        let mut taken = below.is_less(zero) & zero.is_less(above);
         for place in &ways[self.way.0 as usize..self.way.1 as usize] {
-            let freezing = window.freezing[*place as usize];
-            for lane in 0..L {
-                taken[lane] &= !freezing[lane];
-            }
+            taken = taken & !kind.flags(&window.freezing[*place as usize]);
         }
         if !window.is_clear {
-            for (sum, [least, greatest]) in self.sums.iter().zip(window.free) {
-                for lane in 0..L {
-                    taken[lane] &= if (least[lane] <= *sum) & (*sum <= greatest[lane]) { u64::MAX } else { 0 };
-                }
+            let mut is_free = [0; L];
+            for lane in 0..L {
+                let within = |axis: usize| {
+                    let [least, greatest] = window.free[axis];
+                    least[lane] <= self.sums[axis] && self.sums[axis] <= greatest[lane]
+                };
+                is_free[lane] = if within(0) && within(1) { u64::MAX } else { 0 };
             }
+            taken = taken & kind.flags(&is_free);
         }
         taken
     }
@@ -164,7 +165,7 @@ impl Pairs {
 
     /// Whether the only front of a window takes care of a pair over it.
     pub(super) fn is_taken(&self, pair: &PairOver, window: &Window<1>) -> bool {
-        pair.taken(&self.ways, window)[0] != 0
+        pair.taken(Portable, &self.ways, window).any()
     }
 }
 

@@ -20,6 +20,8 @@ pub(super) struct Window<const L: usize> {
     pub(super) width: usize,
     /// Whether, of each freezing particle, all particles of a row of places stand one after the other; and the first of each row.
     pub(super) is_whole: [bool; L],
+    /// Whether that holds of all.
+    pub(super) are_whole: bool,
     firsts: Vec<[u32; L]>,
     /// Particles, where it is not so; [`NONE`] where there is none.
     pub(super) particles: Vec<[u32; L]>,
@@ -102,6 +104,7 @@ impl<const L: usize> Window<L> {
         Window {
             width,
             is_whole: [true; L],
+            are_whole: true,
             firsts: vec![[0; L]; size / width],
             particles: vec![[NONE; L]; size],
             above: vec![[0.0; L]; size],
@@ -138,6 +141,7 @@ impl<const L: usize> Window<L> {
             self.is_whole[lane] = true;
             self.enthalpies.iter_mut().for_each(|enthalpies| enthalpies[lane] = freezing);
         }
+        self.are_whole = self.is_whole.iter().all(|is_whole| *is_whole);
         let mut above = std::mem::take(&mut self.above);
         laws.fill_some(|at| self.particle(at / L, at % L), self.enthalpies.as_flattened(), above.as_flattened_mut());
         self.above = above;

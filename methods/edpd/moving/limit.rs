@@ -38,7 +38,7 @@ pub fn settling(parameters: &Parameters, map: &DpdUnits, curve: &Curve, range: (
 pub fn bound(parameters: &Parameters, map: &DpdUnits, curve: &Curve, range: (f64, f64), liquid: f64) -> Bound {
     let limits = limits(parameters, map, curve, range, liquid);
     let (step, cause) = limits.into_iter().fold((f64::INFINITY, String::new()), |a, b| if b.0 < a.0 { b } else { a });
-    Bound { step: step * map.time, cause }
+    Bound::strict(step * map.time, cause)
 }
 
 /// Diffusivity of the best conducting phase, from that of the liquid.

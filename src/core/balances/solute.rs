@@ -135,7 +135,7 @@ impl Solute {
         let decays = materials.iter().any(|material| material.decay > 0.0);
         let sources = patches.iter().map(|patch| Source::Patch(patch.id));
         let sources = sources.chain(decays.then_some(Source::Decay)).collect();
-        let bound = Bound { step: f64::INFINITY, cause: String::new() };
+        let bound = Bound::strict(f64::INFINITY, "");
         let facts = BalanceFacts { patches: sources, pairs: list.pair_count(), surfaces: 0, bound, turning: 0.0 };
         let mut solute = Solute {
             concentrations: vec![0.0; count + list.ghosts.len()],
@@ -215,7 +215,7 @@ impl Solute {
         let Sums { greatest: (rate, particle), turning } = pairs.sums(list, walls, least);
         let at = list.positions[particle];
         let cause = format!("solute of particle {particle} at ({:.6}, {:.6}) m", at.x, at.y);
-        facts.bound = Bound { step: if rate > 0.0 { 1.0 / rate } else { f64::INFINITY }, cause };
+        facts.bound = Bound::strict(if rate > 0.0 { 1.0 / rate } else { f64::INFINITY }, cause);
         facts.turning = turning;
     }
 }

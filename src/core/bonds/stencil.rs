@@ -5,6 +5,8 @@
 //! stay positive at any ratio, a particle stays nearer to its neighbour than to the neighbour's image, and nearest neighbours become the
 //! five-point operator of both conductivities.
 
+use std::f64::consts::PI;
+
 use glam::DVec2;
 
 use crate::bonds::weight::{Normalisation, PairWeight};
@@ -168,6 +170,27 @@ impl Stencil {
         self.offsets().map(|(column, row, w)| Self::multiplicity(column, row) as f64 * w).sum()
     }
 
+    /// The largest rate (m^-2) at which pairs let a wave of potentials decay: `sum w (1 - cos kr)` over all offsets, at most twice the
+    /// sum. Between the wave numbers that are looked at it is no larger than what is added for them.
+    pub fn fastest_wave(&self) -> f64 {
+        let waves = 16 * self.reach;
+        // Of the cosines of offset n at wave number pi m / waves.
+        let cosine = |n: usize, m: usize| (PI * (n * m) as f64 / waves as f64).cos();
+        let cosines: Vec<Vec<f64>> = (0..=self.reach).map(|n| (0..=waves).map(|m| cosine(n, m)).collect()).collect();
+        let across = if self.dimension == 1 { 0 } else { waves };
+        let rate = |along: usize, across: usize| -> f64 {
+            let decay = |(column, row, w): (usize, usize, f64)| {
+                Self::multiplicity(column, row) as f64 * w * (1.0 - cosines[column][along] * cosines[row][across])
+            };
+            self.offsets().map(decay).sum()
+        };
+        let waves = (0..=across).flat_map(|across| (0..=waves).map(move |along| (along, across)));
+        let seen = waves.map(|(along, across)| rate(along, across)).fold(0.0, f64::max);
+        // A trigonometric polynomial of degree n, looked at in N places of its period, is at most sec(pi n / N) times what is seen.
+        let beyond = (PI / 32.0).cos().powi(self.dimension as i32);
+        (seen / beyond).min(2.0 * self.sum())
+    }
+
     /// Number of neighbours of a particle.
     pub fn neighbours(&self) -> usize {
         self.offsets().map(|(column, row, _)| Self::multiplicity(column, row)).sum()
@@ -225,6 +248,41 @@ mod tests {
             prop_assert!(stencil.offsets().all(|(c, r, w)| (turned.at(r, c) / w - 1.0).abs() < 1e-9));
             let far = stencil.reach as f64 * spacing;
             prop_assert!(far <= longest_reach(&weight, along) * (1.0 + SHELL_TOLERANCE) || stencil.reach == 1);
+        }
+    }
+
+    proptest! {
+        /// No wave decays faster, and some wave nearly as fast.
+        #[test]
+        fn the_fastest_wave_is_the_fastest(
+            reach in 1.0..4.5f64,
+            power in 0.0..3.0f64,
+            log_ratio in -2.0..2.0f64,
+            waves in prop::collection::vec((0.0..PI, 0.0..PI), 200),
+        ) {
+            let along = DVec2::new(1.0, log_ratio.exp());
+            let stencil = Stencil::directed(&Disc(reach, power), Normalisation::DiscreteMoment, 1.0, along);
+            let (fastest, sum) = (stencil.fastest_wave(), stencil.sum());
+            let rate = |(kx, ky): (f64, f64)| -> f64 {
+                let one = |(column, row, w): (usize, usize, f64)| {
+                    let cosines = (column as f64 * kx).cos() * (row as f64 * ky).cos();
+                    Stencil::multiplicity(column, row) as f64 * w * (1.0 - cosines)
+                };
+                stencil.offsets().map(one).sum()
+            };
+            let corners = [(PI, 0.0), (0.0, PI), (PI, PI)];
+            let seen = waves.into_iter().chain(corners).map(rate).fold(0.0, f64::max);
+            prop_assert!(seen <= fastest * (1.0 + 1e-12) && fastest <= 2.0 * sum, "{seen} {fastest} {sum}");
+            // Waves on average decay by the sum.
+            prop_assert!(fastest >= sum);
+        }
+    }
+
+    #[test]
+    fn the_fastest_wave_of_nearest_neighbours_is_twice_their_sum() {
+        for dimension in [1, 2] {
+            let stencil = Stencil::new(&Disc(1.0, 2.0), Normalisation::DiscreteMoment, 1.0, dimension);
+            assert!((stencil.fastest_wave() / (2.0 * stencil.sum()) - 1.0).abs() < 1e-12);
         }
     }
 

@@ -84,7 +84,7 @@ impl<L: Laws> LatticeBalance<L> {
             Side::Periodic | Side::Curved => None,
         });
         let corners = lattice_pairs(&around.lattice, &around.stencil, stiffness);
-        let beside_fronts = parts.front.as_ref().map_or(0.0, SubCellFront::row_sum);
+        let beside_fronts = parts.front.as_ref().map_or([0.0; 2], SubCellFront::row_sums);
         let (irregular, sinks) = (parts.irregular.as_deref(), &parts.sinks);
         let (around_it, walls, pairs) = (&around, &boundary, &corners);
         let stiffness =
@@ -92,8 +92,11 @@ impl<L: Laws> LatticeBalance<L> {
         let mut derived = stiffness.bound();
         let front_rate = parts.front.as_ref().map_or(0.0, SubCellFront::own_rate);
         if front_rate * derived.step > 1.0 {
-            derived = Bound { step: 1.0 / front_rate, cause: "the sub-cell front of a particle".to_string() };
+            derived =
+                Bound { step: 1.0 / front_rate, cause: "the sub-cell front of a particle".to_string(), ..derived };
         }
+        // A front is near on one side at a time.
+        derived.slack = derived.slack.min(2.0 / (front_rate * derived.step)).max(1.0);
         let bands = bands(&around.lattice, threads(&team, &around), shape);
         let potential = |sink: &Sink| sink.own_potential(0.0, around.thermal_at_sink(sink));
         let walls = boundary.patches.iter().map(|patch| Source::Patch(patch.id));

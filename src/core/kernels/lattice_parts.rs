@@ -62,8 +62,18 @@ pub(super) struct Stiffness<'a, L> {
     pub(super) irregular: Option<&'a IrregularRows>,
     pub(super) sinks: &'a [Sink],
     pub(super) corners: &'a [CornerPair],
-    /// What fronts inside particles may add to a row sum (m^-2).
-    pub(super) beside_fronts: f64,
+    /// What fronts inside particles may add to a row sum (m^-2): where they are near on all sides, and on one.
+    pub(super) beside_fronts: [f64; 2],
+}
+
+/// What limits a step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Limit {
+    /// The maximum principle, by row sums.
+    Maximum,
+    /// Linear stability: of what pairs alone do, by the largest rate at which they let a wave decay, of what is added to them by row
+    /// sums (Weyl). Walls that mirror states, odd or even, leave the waves of a body that goes on.
+    Linear,
 }
 
 /// The stiffest particle so far.
@@ -82,13 +92,28 @@ impl Stiffest {
 }
 
 impl<L: Laws> Stiffness<'_, L> {
-    /// The bound of explicit steps by the row sums of the actual pairs.
+    /// The bound of explicit steps by the row sums of the actual pairs. Nothing is known beyond it where rows have pairs of their own.
     pub(super) fn bound(&self) -> Bound {
+        let Stiffest { rate, cause } = self.stiffest(Limit::Maximum);
+        let slack = match self.irregular {
+            None => (rate / self.stiffest(Limit::Linear).rate).max(1.0),
+            Some(_) => 1.0,
+        };
+        Bound { step: 1.0 / rate, slack, cause }
+    }
+
+    /// The particle that limits steps most. Half of the rate of a wave stands for a row sum.
+    fn stiffest(&self, limit: Limit) -> Stiffest {
         let Around { lattice, stencil, materials, .. } = self.around;
-        let sum = stencil.sum() + self.beside_fronts;
+        let [on_all_sides, on_one] = self.beside_fronts;
+        let (pairs, beside_fronts) = match limit {
+            Limit::Maximum => (stencil.sum(), on_all_sides),
+            Limit::Linear => (0.5 * stencil.fastest_wave(), on_one),
+        };
+        let sum = pairs + beside_fronts;
         let steepest = materials.laws().map(|thermal| thermal.largest_slope).fold(0.0, f64::max);
         let mut stiffest = Stiffest { rate: sum * steepest, cause: "pair exchange inside the body".to_string() };
-        self.meet_straight_walls(sum, &mut stiffest);
+        self.meet_straight_walls(sum, limit, &mut stiffest);
         self.meet_curved_wall(sum, &mut stiffest);
         let at = |index: usize| {
             let at = lattice.position(index);
@@ -97,7 +122,7 @@ impl<L: Laws> Stiffness<'_, L> {
         let mut sums = BTreeMap::new();
         if let Some(irregular) = self.irregular {
             for (particle, own) in irregular.particles().iter().zip(irregular.row_sums()) {
-                let (particle, own) = (*particle as usize, own + self.beside_fronts);
+                let (particle, own) = (*particle as usize, own + beside_fronts);
                 sums.insert(particle, own);
                 let cause = || format!("pair exchange of particle {particle} at {}", at(particle));
                 stiffest.meet(own * materials.of(particle).largest_slope, cause);
@@ -113,10 +138,10 @@ impl<L: Laws> Stiffness<'_, L> {
                 });
             }
         }
-        Bound { step: 1.0 / stiffest.rate, cause: stiffest.cause }
+        stiffest
     }
 
-    fn meet_straight_walls(&self, sum: f64, stiffest: &mut Stiffest) {
+    fn meet_straight_walls(&self, sum: f64, limit: Limit, stiffest: &mut Stiffest) {
         let (Around { lattice, stencil, faces, .. }, boundary) = (self.around, self.boundary);
         // A particle reaches its own image behind a wall at twice its distance from it.
         let stiffness = |side: usize| match boundary.sides[side] {
@@ -133,6 +158,7 @@ impl<L: Laws> Stiffness<'_, L> {
         if wall_excess == 0.0 {
             return;
         }
+        let wall_excess = if limit == Limit::Linear { 0.0 } else { wall_excess };
         let mut strengthened = BTreeMap::new();
         for pair in self.corners {
             *strengthened.entry(pair.first).or_insert(0.0) += pair.weight;

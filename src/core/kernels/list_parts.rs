@@ -251,5 +251,5 @@ fn bound(parts: &ListParts, faces: &[Face]) -> Bound {
     }
     let at = parts.positions[stiffest.1];
     let cause = format!("pair exchange of particle {} at ({:.6}, {:.6}) m", stiffest.1, at.x, at.y);
-    Bound { step: if stiffest.0 > 0.0 { 1.0 / stiffest.0 } else { f64::INFINITY }, cause }
+    Bound::strict(if stiffest.0 > 0.0 { 1.0 / stiffest.0 } else { f64::INFINITY }, cause)
 }

@@ -226,9 +226,16 @@ impl SubCellFront {
         }
     }
 
-    /// What fronts may add to the row sum (m^-2) of a particle: where they have just come nearest on all sides.
-    pub fn row_sum(&self) -> f64 {
-        self.pairs.own.iter().map(|pair| pair.weight * (pair.cells / distance(1.0, 0.0) - 1.0)).sum()
+    /// What fronts may add to the row sum (m^-2) of a particle, where they have just come nearest: on all sides, and one front on the
+    /// side on which it adds most.
+    pub fn row_sums(&self) -> [f64; 2] {
+        let added = |pair: &OwnPair| pair.weight * (pair.cells / distance(1.0, 0.0) - 1.0);
+        let towards = |x: f64, y: f64| {
+            let lies_there = |pair: &&OwnPair| x * pair.offset[0] + y * pair.offset[1] > 0.0;
+            self.pairs.own.iter().filter(lies_there).map(added).sum::<f64>()
+        };
+        let sides = [(1.0, 0.0), (0.0, 1.0), (1.0, 1.0), (1.0, -1.0)].map(|(x, y)| towards(x, y));
+        [self.pairs.own.iter().map(added).sum(), sides.into_iter().fold(0.0, f64::max)]
     }
 
     /// Rate (1/s) at which a freezing particle answers to its own frozen fraction, at most: all that surrounds it is as

@@ -136,18 +136,26 @@ impl Rkl2 {
         (s * (1.0 - 1e-12)).ceil().max(3.0) as usize
     }
 
+    /// The step of Euler (s) by which stages count: that which is linearly stable for steps by error, which see what grows all the
+    /// same.
+    fn of_euler(&self) -> f64 {
+        let bound = &self.balance.facts().bound;
+        match self.pace {
+            Pace::Fixed { .. } => bound.step,
+            Pace::Controlled { .. } => bound.linear_step(),
+        }
+    }
+
     /// Least number of stages in which a step (s) is stable.
     fn stages(&self, step: f64) -> usize {
-        let facts = self.balance.facts();
-        let by_turning = (step * facts.turning / HALF_HEIGHT).ceil() as usize;
-        Self::stages_for(step / facts.bound.step).max(by_turning)
+        let by_turning = (step * self.balance.facts().turning / HALF_HEIGHT).ceil() as usize;
+        Self::stages_for(step / self.of_euler()).max(by_turning)
     }
 
     /// The longest step (s) that is stable in so many stages.
     fn longest(&self, stages: usize) -> f64 {
-        let facts = self.balance.facts();
-        let by_turning = HALF_HEIGHT * stages as f64 / facts.turning;
-        (facts.bound.step * Self::reach(stages)).min(by_turning)
+        let by_turning = HALF_HEIGHT * stages as f64 / self.balance.facts().turning;
+        (self.of_euler() * Self::reach(stages)).min(by_turning)
     }
 
     /// Whether water carries heat so fast that steps of Euler are cheaper than stages.
@@ -319,7 +327,7 @@ impl Solver for Rkl2 {
             Pace::Controlled { .. } => (bound.step, None),
         };
         SolverReport {
-            bound: Bound { step, cause: bound.cause.clone() },
+            bound: Bound { step, ..bound.clone() },
             pairs: *pairs,
             gentle_step,
             is_dense: gentle_step.is_none(),

@@ -20,10 +20,24 @@ pub struct Clock {
 /// The explicit limit of a step, and why.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bound {
-    /// Longest stable step (s).
+    /// Longest step (s) that keeps the maximum principle.
     pub step: f64,
-    /// What sets it, in words, with the particle.
+    /// How many times as long a step is linearly stable, as far as is known: stages of a chain need no more.
+    pub slack: f64,
+    /// What sets the step, in words, with the particle.
     pub cause: String,
+}
+
+impl Bound {
+    /// A limit beyond which nothing is known.
+    pub fn strict(step: f64, cause: impl Into<String>) -> Self {
+        Bound { step, slack: 1.0, cause: cause.into() }
+    }
+
+    /// Longest step (s) that is linearly stable, as far as is known.
+    pub fn linear_step(&self) -> f64 {
+        self.slack * self.step
+    }
 }
 
 /// A step that could not be made.

@@ -88,7 +88,7 @@ pub(super) fn limited(report: SolverReport, scene: &Scene) -> SolverReport {
     if report.bound.step.is_finite() {
         return report;
     }
-    let bound = Bound { step: scene.duration, cause: "the run, as no particle exchanges anything".into() };
+    let bound = Bound::strict(scene.duration, "the run, as no particle exchanges anything");
     SolverReport { bound, ..report }
 }
 

@@ -50,7 +50,8 @@ impl AdvectedHeat {
             plain(self.own_bound.step, 4),
             self.own_bound.cause
         );
-        self.facts.bound = Bound { step, cause };
+        let linear = 1.0 / (1.0 / self.own_bound.linear_step() + carried);
+        self.facts.bound = Bound { step, slack: linear / step, cause };
         self.facts.turning = carrier.turning / least;
     }
 

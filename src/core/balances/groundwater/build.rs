@@ -213,7 +213,7 @@ fn bound(conduction: &mut dyn Balance, bend: Option<&Bend>) -> Bound {
     let steepest = conduction.tangent().steepest().into_iter().fold(0.0, f64::max);
     let linear = 2.0 / (bend.rate * steepest);
     if linear < own.step {
-        return Bound { step: linear, cause: "linear limit of conduction without its bends".into() };
+        return Bound::strict(linear, "linear limit of conduction without its bends");
     }
     own
 }

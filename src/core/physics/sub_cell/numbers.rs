@@ -47,6 +47,8 @@ pub(super) trait Numbers:
 /// A yes or no for each of several numbers.
 pub(super) trait Flags: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
     fn any(self) -> bool;
+    /// A bit for each, the first the lowest.
+    fn bits(self) -> u64;
 }
 
 /// Any processor.
@@ -144,6 +146,11 @@ impl<const L: usize> Flags for EachFlag<L> {
     #[inline(always)]
     fn any(self) -> bool {
         self.0.iter().fold(false, |any, flag| any | flag)
+    }
+
+    #[inline(always)]
+    fn bits(self) -> u64 {
+        self.0.iter().enumerate().fold(0, |bits, (lane, flag)| bits | u64::from(*flag) << lane)
     }
 }
 
@@ -301,6 +308,11 @@ mod x86 {
         fn any(self) -> bool {
             self.0 != 0
         }
+
+        #[inline(always)]
+        fn bits(self) -> u64 {
+            u64::from(self.0)
+        }
     }
 
     /// A processor with AVX2.
@@ -423,6 +435,65 @@ mod x86 {
         fn any(self) -> bool {
             // SAFETY: as above.
             unsafe { _mm256_movemask_pd(_mm256_or_pd(self.0[0], self.0[1])) != 0 }
+        }
+
+        #[inline(always)]
+        fn bits(self) -> u64 {
+            // SAFETY: as above.
+            let [low, high] = self.0.map(|half| unsafe { _mm256_movemask_pd(half) } as u64);
+            low | high << 4
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::instruction_set::InstructionSet;
+
+    /// What a kind makes of some numbers, by bits.
+    fn made(kind: impl Kind<8>, [a, b]: &[[f64; 8]; 2], flags: &[u64; 8]) -> Vec<u64> {
+        let (one, other) = (kind.load(a), kind.load(b));
+        let yes = kind.flags(flags);
+        let less = one.is_less(other);
+        let mut found = [one + other, one - other, one * other, one / other]
+            .into_iter()
+            .chain([one.root(), one.size(), one.or(yes, other), one.or_less(other), one.or_greater(other)])
+            .flat_map(|numbers| {
+                let mut into = [0.0; 8];
+                kind.store(numbers, &mut into);
+                // There are many numbers that are none.
+                into.map(|number: f64| if number.is_nan() { f64::NAN } else { number }.to_bits())
+            })
+            .collect::<Vec<u64>>();
+        let flags = [yes, less, one.differs(other), !yes, yes & less, yes | less];
+        found.extend(flags.into_iter().flat_map(|flags| [flags.bits(), u64::from(flags.any())]));
+        found
+    }
+
+    proptest! {
+        #[test]
+        fn every_kind_makes_the_same(
+            numbers in prop::array::uniform2(prop::array::uniform8(prop_oneof![
+                -2.0..2.0f64, Just(0.0), Just(-0.0), Just(1.0), Just(f64::NAN), Just(f64::INFINITY),
+            ])),
+            flags in prop::array::uniform8(prop_oneof![Just(0), Just(u64::MAX)]),
+        ) {
+            let expected = made(Portable, &numbers, &flags);
+            #[cfg(target_arch = "x86_64")]
+            {
+                if InstructionSet::found() >= InstructionSet::Avx2 {
+                    // SAFETY: the processor has just been asked.
+                    prop_assert_eq!(&made(unsafe { Avx2::new() }, &numbers, &flags), &expected);
+                }
+                if InstructionSet::found() >= InstructionSet::Avx512 {
+                    // SAFETY: as above.
+                    prop_assert_eq!(&made(unsafe { Avx512::new() }, &numbers, &flags), &expected);
+                }
+            }
+            let _ = expected;
         }
     }
 }

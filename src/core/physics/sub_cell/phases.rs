@@ -1,133 +1,178 @@
-//! In which phase each particle is, in a byte.
+//! In which phase each particle is, in a bit for each phase.
 
-use crate::instruction_set::widest;
+#[cfg(target_arch = "x86_64")]
+use super::numbers::{Avx2, Avx512};
+use super::numbers::{Flags as _, Kind, Numbers as _, Portable};
+use super::pairs::LANES;
+use crate::instruction_set::InstructionSet;
 use crate::memory::HeapSize;
 use crate::physics::sharp_stretches::{Sharp, Stretch};
 
-/// Particles that are looked at together: mostly none of them freezes.
-const LOOK: usize = 64;
+/// Particles in a word.
+const WORD: usize = u64::BITS as usize;
 
-/// What a particle that freezes is.
-const FREEZING: u8 = 0;
-
-/// What two neighbours add up to of which one is frozen, 1, and one is not, 2. One at an end of the freezing interval is 4,
-/// one whose front is not followed 8.
-const APART: u8 = 3;
-
-/// The phases of all particles.
+/// The phases of all particles: those at an end of the freezing interval, and those whose fronts are not followed, are in none.
 #[derive(Debug, Clone)]
-pub(super) struct Phases(Vec<u8>);
+pub(super) struct Phases {
+    frozen: Vec<u64>,
+    freezing: Vec<u64>,
+    unfrozen: Vec<u64>,
+}
+
+/// A word of each phase.
+type Words = [u64; 3];
 
 impl Phases {
     /// Of so many particles, none of which is followed.
     pub(super) fn new(count: usize) -> Self {
-        Phases(vec![8; count])
+        // One more, so that each word has one behind it.
+        let words = || vec![0; count / WORD + 2];
+        Phases { frozen: words(), freezing: words(), unfrozen: words() }
     }
 
     /// Those of a state of enthalpies (J/m3), in stretches whose fronts are followed.
     pub(super) fn update(&mut self, (materials, stretches): (&[Sharp], &[Stretch]), enthalpy: &[f64]) {
+        let widest = InstructionSet::widest();
         for (first, end, sharp) in stretches {
-            let range = *first as usize..*end as usize;
-            tell(&enthalpy[range.clone()], materials[*sharp as usize].interval, &mut self.0[range]);
+            let (first, end, interval) = (*first as usize, *end as usize, materials[*sharp as usize].interval);
+            // Words that a stretch fills, and its ends, which others may go on from.
+            let (from, until) = (first.div_ceil(WORD), end / WORD);
+            if from > until {
+                self.set_some(enthalpy, (first, end), interval);
+                continue;
+            }
+            self.set_some(enthalpy, (first, from * WORD), interval);
+            let range = from..until;
+            let words = (&mut self.frozen[range.clone()], &mut self.freezing[range.clone()], &mut self.unfrozen[range]);
+            tell_widely(widest, &enthalpy[from * WORD..until * WORD], interval, words);
+            self.set_some(enthalpy, (until * WORD, end), interval);
+        }
+    }
+
+    /// Sets those of the particles of one word that are in a range.
+    fn set_some(&mut self, enthalpy: &[f64], (first, end): (usize, usize), interval: (f64, f64)) {
+        let mut found = [0; 3];
+        for particle in first..end {
+            for (word, flag) in found.iter_mut().zip(phases_of(Portable, &[enthalpy[particle]], interval)) {
+                *word |= flag << (particle % WORD);
+            }
+        }
+        if first < end {
+            let (word, shift) = (first / WORD, first % WORD);
+            let others = !((u64::MAX >> (WORD - (end - first))) << shift);
+            let own = [&mut self.frozen, &mut self.freezing, &mut self.unfrozen];
+            for (words, found) in own.into_iter().zip(found) {
+                words[word] = words[word] & others | found;
+            }
         }
     }
 
     /// Adds the particles of a stretch that freeze.
     pub(super) fn find_freezing(&self, (first, end, _): Stretch, freezing: &mut Vec<u32>) {
-        find_freezing(&self.0[first as usize..end as usize], first, freezing);
+        let (first, end) = (first as usize, end as usize);
+        for word in first / WORD..end.div_ceil(WORD) {
+            let mut bits = self.freezing[word];
+            if bits == 0 {
+                continue;
+            }
+            let start = word * WORD;
+            bits &= u64::MAX << first.saturating_sub(start);
+            bits &= u64::MAX >> (start + WORD).saturating_sub(end);
+            add_all(bits, start as u32, |particle| freezing.push(particle));
+        }
     }
 
     /// Adds neighbours of which one is frozen and the other not; these are given by the first that have one, one past the
     /// last, and how many numbers further it is.
     pub(super) fn find_apart(&self, neighbours: &[(u32, u32, u32)], apart: &mut Vec<(u32, u32)>) {
-        find_apart(&self.0, neighbours, apart);
-    }
-}
-
-widest!(tell, tell_each, (enthalpy: &[f64], interval: (f64, f64), phases: &mut [u8]));
-
-/// Tells the phases of particles.
-#[inline(always)]
-fn tell_each(enthalpy: &[f64], (frozen, unfrozen): (f64, f64), phases: &mut [u8]) {
-    for (phase, own) in phases.iter_mut().zip(enthalpy) {
-        let between = (*own > frozen) & (*own < unfrozen);
-        let outside = u8::from(*own < frozen) + 2 * u8::from(*own > unfrozen);
-        *phase = if between {
-            FREEZING
-        } else if outside == 0 {
-            4
-        } else {
-            outside
-        };
-    }
-}
-
-widest!(find_freezing, find_freezing_each, (phases: &[u8], first: u32, freezing: &mut Vec<u32>));
-
-#[inline(always)]
-fn find_freezing_each(phases: &[u8], first: u32, freezing: &mut Vec<u32>) {
-    let (looks, rest) = phases.as_chunks::<LOOK>();
-    for (look, first) in looks.iter().zip((first..).step_by(LOOK)) {
-        if any_freezes(look) {
-            find_closely(look, first, freezing);
-        }
-    }
-    find_closely(rest, first + (phases.len() - rest.len()) as u32, freezing);
-}
-
-/// Whether any of some particles freezes. Answers as wide as phases stay where these are compared.
-#[inline(always)]
-fn any_freezes<const COUNT: usize>(phases: &[u8; COUNT]) -> bool {
-    phases.iter().fold(0, |any, phase| any | u8::from(*phase == FREEZING)) != 0
-}
-
-/// The same as [`find_freezing`], of few particles.
-#[inline(always)]
-fn find_closely(phases: &[u8], first: u32, freezing: &mut Vec<u32>) {
-    let (groups, rest) = phases.as_chunks::<8>();
-    let mut one_by_one = |phases: &[u8], first: u32| {
-        freezing.extend((first..).zip(phases).filter(|(_, phase)| **phase == FREEZING).map(|(particle, _)| particle));
-    };
-    for (group, first) in groups.iter().zip((first..).step_by(8)) {
-        if any_freezes(group) {
-            one_by_one(group, first);
-        }
-    }
-    one_by_one(rest, first + (phases.len() - rest.len()) as u32);
-}
-
-widest!(find_apart, find_apart_each, (phases: &[u8], neighbours: &[(u32, u32, u32)], apart: &mut Vec<(u32, u32)>));
-
-#[inline(always)]
-fn find_apart_each(phases: &[u8], neighbours: &[(u32, u32, u32)], apart: &mut Vec<(u32, u32)>) {
-    for (first, end, shift) in neighbours {
-        let own = &phases[*first as usize..*end as usize];
-        let others = &phases[(first + shift) as usize..(end + shift) as usize];
-        let (own_looks, own_rest) = own.as_chunks::<LOOK>();
-        let (other_looks, other_rest) = others.as_chunks::<LOOK>();
-        let mut note = |at: usize, own: &[u8], others: &[u8]| {
-            for (k, (own, other)) in own.iter().zip(others).enumerate() {
-                if own + other == APART {
-                    let particle = first + (at + k) as u32;
-                    apart.push((particle, particle + shift));
+        for (first, end, shift) in neighbours {
+            let (end, shift) = (*end as usize, *shift as usize);
+            for place in (*first as usize..end).step_by(WORD) {
+                let frozen = [place, place + shift].map(|place| from(&self.frozen, place));
+                if frozen[0] | frozen[1] == 0 {
+                    continue;
                 }
+                let unfrozen = [place, place + shift].map(|place| from(&self.unfrozen, place));
+                let bits = frozen[0] & unfrozen[1] | frozen[1] & unfrozen[0];
+                let bits = bits & u64::MAX >> (place + WORD).saturating_sub(end);
+                add_all(bits, place as u32, |particle| apart.push((particle, particle + shift as u32)));
             }
-        };
-        for (look, (own, others)) in own_looks.iter().zip(other_looks).enumerate() {
-            if own.iter().zip(others).fold(0, |any, (own, other)| any | u8::from(own + other == APART)) != 0 {
-                note(look * LOOK, own, others);
-            }
-        }
-        let rest = own_rest.iter().zip(other_rest);
-        if rest.fold(0, |any, (own, other)| any | u8::from(own + other == APART)) != 0 {
-            note(own.len() - own_rest.len(), own_rest, other_rest);
         }
     }
+}
+
+/// A word from a place on.
+#[inline(always)]
+fn from(words: &[u64], place: usize) -> u64 {
+    let (word, shift) = (place / WORD, place % WORD);
+    words[word] >> shift | words[word + 1] << 1 << (WORD - 1 - shift)
+}
+
+/// Does something with the number of each bit, from a first number on.
+#[inline(always)]
+fn add_all(mut bits: u64, first: u32, mut add: impl FnMut(u32)) {
+    while bits != 0 {
+        add(first + bits.trailing_zeros());
+        bits &= bits - 1;
+    }
+}
+
+/// A bit for each of some enthalpies, by phase.
+#[inline(always)]
+fn phases_of<const L: usize>(kind: impl Kind<L>, enthalpy: &[f64; L], (frozen, unfrozen): (f64, f64)) -> Words {
+    let (own, frozen, unfrozen) = (kind.load(enthalpy), kind.of(frozen), kind.of(unfrozen));
+    let freezing = frozen.is_less(own) & own.is_less(unfrozen);
+    [own.is_less(frozen).bits(), freezing.bits(), unfrozen.is_less(own).bits()]
+}
+
+/// Words of frozen, freezing and unfrozen particles.
+type Filled<'a> = (&'a mut [u64], &'a mut [u64], &'a mut [u64]);
+
+/// Tells the phases of particles, as many as fill the words.
+#[inline(always)]
+fn tell(kind: impl Kind<LANES>, enthalpy: &[f64], interval: (f64, f64), (frozen, freezing, unfrozen): Filled<'_>) {
+    let words = frozen.iter_mut().zip(freezing).zip(unfrozen);
+    for (enthalpy, ((frozen, freezing), unfrozen)) in enthalpy.as_chunks::<WORD>().0.iter().zip(words) {
+        let mut found = [0; 3];
+        for (place, enthalpy) in enthalpy.as_chunks::<LANES>().0.iter().enumerate() {
+            for (word, bits) in found.iter_mut().zip(phases_of(kind, enthalpy, interval)) {
+                *word |= bits << (place * LANES);
+            }
+        }
+        [*frozen, *freezing, *unfrozen] = found;
+    }
+}
+
+/// The same by the vectors of a processor.
+fn tell_widely(widest: InstructionSet, enthalpy: &[f64], interval: (f64, f64), words: Filled<'_>) {
+    #[cfg(target_arch = "x86_64")]
+    {
+        #[target_feature(enable = "avx512f,avx512vl")]
+        fn avx512(enthalpy: &[f64], interval: (f64, f64), words: Filled<'_>) {
+            // SAFETY: this is compiled for what the kind needs.
+            tell(unsafe { Avx512::new() }, enthalpy, interval, words);
+        }
+        #[target_feature(enable = "avx2")]
+        fn avx2(enthalpy: &[f64], interval: (f64, f64), words: Filled<'_>) {
+            // SAFETY: as above.
+            tell(unsafe { Avx2::new() }, enthalpy, interval, words);
+        }
+        match widest {
+            // SAFETY: the processor has been asked for these features.
+            InstructionSet::Avx512 => return unsafe { avx512(enthalpy, interval, words) },
+            // SAFETY: as above.
+            InstructionSet::Avx2 => return unsafe { avx2(enthalpy, interval, words) },
+            InstructionSet::Portable => {}
+        }
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = widest;
+    tell(Portable, enthalpy, interval, words);
 }
 
 impl HeapSize for Phases {
     fn heap_size(&self) -> usize {
-        self.0.heap_size()
+        self.frozen.heap_size() + self.freezing.heap_size() + self.unfrozen.heap_size()
     }
 }
 
@@ -136,6 +181,8 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+
+    const FREEZING: u8 = 0;
 
     /// As if particles were looked at one by one.
     fn plainly(own: f64, (frozen, unfrozen): (f64, f64)) -> u8 {
@@ -166,7 +213,6 @@ mod tests {
             phases.update((&[material], &stretches), &states);
             let plain: Vec<u8> =
                 (0..count).map(|k| if k < first { 8 } else { plainly(states[k], interval) }).collect();
-            prop_assert_eq!(&phases.0, &plain);
             let mut freezing = Vec::new();
             phases.find_freezing(stretches[0], &mut freezing);
             let expected: Vec<u32> = (0..count).filter(|k| plain[*k] == FREEZING).map(|k| k as u32).collect();

@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use crate::memory::{HeapSize, shared};
 use crate::physics::latent_heat::Materials;
-use crate::physics::sub_cell::at_the_centre;
+use crate::physics::sub_cell::{at_the_centre, front_fraction, tell_front_fractions};
 use crate::saved::{Pass, Saved};
 use crate::side_by_side::{sum_and_size, sum_of, sum_where};
 use crate::space::lattice::Lattice;
@@ -175,13 +175,35 @@ impl Particles {
         self.materials.of(index).frozen_fraction(self.enthalpy[index])
     }
 
-    /// Frozen fractions of all particles, in place of what was in `fractions`.
-    pub fn frozen_fractions(&self, fractions: &mut Vec<f64>) {
+    /// Frozen fraction of a particle as fronts inside particles tell it, where they are followed: see
+    /// [`crate::physics::sub_cell::front_fraction`].
+    #[inline]
+    pub fn front_fraction(&self, index: usize) -> f64 {
+        if !self.sub_cell || self.is_gone(index) || !self.materials.of(index).curve.is_sharp() {
+            return self.frozen_fraction(index);
+        }
+        let material = self.materials.index(index);
+        // Of another material, what a particle lacks tells nothing of the slope.
+        let lacked = |other: usize| match self.materials.index(other) == material {
+            true => self.materials.of(other).latent_heat_lacked(self.enthalpy[other]),
+            false => 0.5,
+        };
+        front_fraction(&self.lattice, self.lattice.cell(index), lacked)
+    }
+
+    /// The same of all particles, in place of what was in `fractions`.
+    pub fn front_fractions(&self, fractions: &mut Vec<f64>) {
         fractions.clear();
         fractions.reserve_exact(self.len());
         match self.materials.single() {
-            Some(material) if self.shaft.is_none() => material.frozen_fractions(&self.enthalpy, fractions),
-            _ => fractions.extend((0..self.len()).map(|i| self.frozen_fraction(i))),
+            Some(material) if self.shaft.is_none() => {
+                material.frozen_fractions(&self.enthalpy, fractions);
+                if self.sub_cell && material.curve.is_sharp() {
+                    let lacked = |enthalpy| material.latent_heat_lacked(enthalpy);
+                    tell_front_fractions(&self.lattice, &self.enthalpy, lacked, fractions);
+                }
+            }
+            _ => fractions.extend((0..self.len()).map(|i| self.front_fraction(i))),
         }
     }
 

@@ -319,8 +319,10 @@ impl Simulation<'_> {
     fn look(&mut self) -> Result<(), Stop> {
         let Clock { time, index, .. } = self.clock;
         if self.observers.are_due(time) {
+            let seen = Stopwatch::start(self.options.threads);
             self.method.publish(&mut self.particles);
             self.observe(time, Moment::Between, None);
+            self.observation.add(&seen);
         }
         if self.dense || index.is_multiple_of(GUARD_STEPS) || index.is_power_of_two() {
             self.method.publish(&mut self.particles);

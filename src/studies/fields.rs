@@ -193,7 +193,7 @@ fn of_heat(particles: &Particles) -> Columns<'_> {
     let enthalpy = |i: usize| particles.enthalpy[i] + particles.materials.of(i).zero_enthalpy;
     vec![
         ("temperature_c", Box::new(|i| particles.temperature(i))),
-        ("frozen_fraction", Box::new(|i| particles.frozen_fraction(i))),
+        ("frozen_fraction", Box::new(|i| particles.front_fraction(i))),
         ("enthalpy_J_per_m3", Box::new(enthalpy)),
     ]
 }

@@ -19,7 +19,7 @@ use crate::physics::sub_cell::SubCellFront;
 use crate::saved::{Pass, Saved};
 use crate::solvers::balance::{Balance, BalanceFacts, Rates, Stage, StageColumns, Tangent, TangentShape, Update};
 use crate::solvers::kept::Kept;
-use crate::solvers::step::{Bound, Clock};
+use crate::solvers::step::Clock;
 use crate::space::lattice::Lattice;
 use crate::team::Team;
 
@@ -84,19 +84,15 @@ impl<L: Laws> LatticeBalance<L> {
             Side::Periodic | Side::Curved => None,
         });
         let corners = lattice_pairs(&around.lattice, &around.stencil, stiffness);
-        let beside_fronts = parts.front.as_ref().map_or([0.0; 2], SubCellFront::row_sums);
-        let (irregular, sinks) = (parts.irregular.as_deref(), &parts.sinks);
-        let (around_it, walls, pairs) = (&around, &boundary, &corners);
-        let stiffness =
-            Stiffness { around: around_it, boundary: walls, irregular, sinks, corners: pairs, beside_fronts };
-        let mut derived = stiffness.bound();
-        let front_rate = parts.front.as_ref().map_or(0.0, SubCellFront::own_rate);
-        if front_rate * derived.step > 1.0 {
-            derived =
-                Bound { step: 1.0 / front_rate, cause: "the sub-cell front of a particle".to_string(), ..derived };
-        }
-        // A front is near on one side at a time.
-        derived.slack = derived.slack.min(2.0 / (front_rate * derived.step)).max(1.0);
+        let stiffness = Stiffness {
+            around: &around,
+            boundary: &boundary,
+            irregular: parts.irregular.as_deref(),
+            sinks: &parts.sinks,
+            corners: &corners,
+            front: parts.front.as_ref(),
+        };
+        let derived = stiffness.bound();
         let bands = bands(&around.lattice, threads(&team, &around), shape);
         let potential = |sink: &Sink| sink.own_potential(0.0, around.thermal_at_sink(sink));
         let walls = boundary.patches.iter().map(|patch| Source::Patch(patch.id));

@@ -62,8 +62,7 @@ pub(super) struct Stiffness<'a, L> {
     pub(super) irregular: Option<&'a IrregularRows>,
     pub(super) sinks: &'a [Sink],
     pub(super) corners: &'a [CornerPair],
-    /// What fronts inside particles may add to a row sum (m^-2): where they are near on all sides, and on one.
-    pub(super) beside_fronts: [f64; 2],
+    pub(super) front: Option<&'a SubCellFront>,
 }
 
 /// What limits a step.
@@ -94,18 +93,23 @@ impl Stiffest {
 impl<L: Laws> Stiffness<'_, L> {
     /// The bound of explicit steps by the row sums of the actual pairs. Nothing is known beyond it where rows have pairs of their own.
     pub(super) fn bound(&self) -> Bound {
-        let Stiffest { rate, cause } = self.stiffest(Limit::Maximum);
-        let slack = match self.irregular {
-            None => (rate / self.stiffest(Limit::Linear).rate).max(1.0),
-            Some(_) => 1.0,
-        };
-        Bound { step: 1.0 / rate, slack, cause }
+        let mut stiffest = self.stiffest(Limit::Maximum);
+        let of_front = self.front.map_or(0.0, SubCellFront::own_rate);
+        stiffest.meet(of_front, || "the sub-cell front of a particle".to_string());
+        let Stiffest { rate, cause } = stiffest;
+        if self.irregular.is_some() {
+            return Bound::strict(1.0 / rate, cause);
+        }
+        // A front is near on one side at a time.
+        let linear = self.stiffest(Limit::Linear).rate.max(0.5 * of_front);
+        Bound { step: 1.0 / rate, slack: (rate / linear).max(1.0), cause }
     }
 
     /// The particle that limits steps most. Half of the rate of a wave stands for a row sum.
     fn stiffest(&self, limit: Limit) -> Stiffest {
         let Around { lattice, stencil, materials, .. } = self.around;
-        let [on_all_sides, on_one] = self.beside_fronts;
+        // What fronts may add: where they are near on all sides, and on one.
+        let [on_all_sides, on_one] = self.front.map_or([0.0; 2], SubCellFront::row_sums);
         let (pairs, beside_fronts) = match limit {
             Limit::Maximum => (stencil.sum(), on_all_sides),
             Limit::Linear => (0.5 * stencil.fastest_wave(), on_one),

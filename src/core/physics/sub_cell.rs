@@ -24,6 +24,7 @@ mod numbers;
 mod orientation;
 mod pairs;
 mod phases;
+mod readings;
 mod tangent;
 mod window;
 
@@ -39,9 +40,10 @@ use changes::Changes;
 use exchange::exchange;
 pub use extent::Extent;
 use faces::Faces;
-use numbers::{Kind, Portable};
-use pairs::{LANES, OwnPair, Pairs, distance};
+use numbers::{Kind, LANES, Portable};
+use pairs::{OwnPair, Pairs, distance};
 use phases::Phases;
+pub use readings::{at_the_centre, front_fraction, tell_front_fractions};
 use tangent::FrontTangent;
 use window::{Front, Surroundings, Window};
 
@@ -251,25 +253,6 @@ impl SubCellFront {
         let answer = |sharp: &Sharp| sharp.most / (sharp.interval.1 - sharp.interval.0);
         by_pairs * self.sharp.iter().map(answer).fold(0.0, f64::max)
     }
-}
-
-/// Temperature at the centre of a freezing particle, less that of freezing: on the line from the front in its cell to the
-/// neighbours in the phase in which the centre is. `temperature` tells that of a particle, less that of freezing.
-pub fn at_the_centre(lattice: &Lattice, index: usize, fraction: f64, temperature: impl Fn(usize) -> f64) -> f64 {
-    let (column, row) = lattice.cell(index);
-    let frozen_side = fraction > 0.5;
-    let depth = (fraction - 0.5).abs();
-    let (mut sum, mut count) = (0.0, 0.0);
-    for (dx, dy) in [(1, 0), (-1, 0), (0, 1), (0, -1)].into_iter().take(2 * lattice.dimension) {
-        if let Some(other) = lattice.index(column + dx, row + dy) {
-            let above = temperature(other);
-            if above != 0.0 && (above < 0.0) == frozen_side {
-                sum += above * depth / (depth + 1.0);
-                count += 1.0;
-            }
-        }
-    }
-    if count > 0.0 { sum / count } else { 0.0 }
 }
 
 /// Lets some fronts of a kind act on what lies around them, by the widest vectors that may be used.

@@ -133,11 +133,17 @@ impl Thermal {
         }
     }
 
+    /// Heat that a particle lacks, from the enthalpy that it carries, against the unfrozen state at the freezing point, in units of the
+    /// latent heat.
+    #[inline]
+    pub fn latent_heat_lacked(&self, enthalpy: f64) -> f64 {
+        -(enthalpy + self.zero_enthalpy) / self.curve.latent_heat
+    }
+
     /// Frozen fractions of several particles from the enthalpies that they carry, after those that are in `fractions`.
     pub fn frozen_fractions(&self, enthalpies: &[f64], fractions: &mut Vec<f64>) {
         if self.curve.is_sharp() {
-            let latent_heat = self.curve.latent_heat;
-            let fraction = |enthalpy: &f64| (-(enthalpy + self.zero_enthalpy) / latent_heat).clamp(0.0, 1.0);
+            let fraction = |enthalpy: &f64| self.latent_heat_lacked(*enthalpy).clamp(0.0, 1.0);
             fractions.extend(enthalpies.iter().map(fraction));
         } else {
             fractions.extend(enthalpies.iter().map(|enthalpy| self.frozen_fraction(*enthalpy)));

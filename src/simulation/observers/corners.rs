@@ -68,7 +68,7 @@ impl Corners {
                     && let Some(sum) = sums.get_mut((along / half) as usize)
                 {
                     let weight = 2.25 - 3.75 * across * across;
-                    *sum = (sum.0 + weight * particles.frozen_fraction(i), sum.1 + weight);
+                    *sum = (sum.0 + weight * particles.front_fraction(i), sum.1 + weight);
                 }
             }
         });

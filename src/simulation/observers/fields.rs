@@ -73,7 +73,7 @@ fn field(particles: &Particles, time_s: f64, radius: f64) -> Field {
             if !particles.is_gone(i) {
                 (sum.0, sum.1) = (sum.0 + particles.reading(i), sum.1 + 1);
             }
-            (sum.2, sum.3) = (sum.2 + particles.frozen_fraction(i), sum.3 + 1);
+            (sum.2, sum.3) = (sum.2 + particles.front_fraction(i), sum.3 + 1);
         }
     });
     let mean = |sum: f64, count: usize| if count > 0 { sum / count as f64 } else { f64::NAN };

@@ -158,14 +158,14 @@ impl Fractions {
     pub(crate) fn of(&self, particles: &Particles) -> &[f64] {
         self.column.get_or_init(|| {
             let mut column = self.room.take();
-            particles.frozen_fractions(&mut column);
+            particles.front_fractions(&mut column);
             column
         })
     }
 
     /// That of one particle of the state.
     pub(crate) fn of_one(&self, particles: &Particles, index: usize) -> f64 {
-        self.column.get().map_or_else(|| particles.frozen_fraction(index), |column| column[index])
+        self.column.get().map_or_else(|| particles.front_fraction(index), |column| column[index])
     }
 
     /// The room.

@@ -94,7 +94,7 @@ impl Line {
             x_m: Some(place.x),
             temperature_c: sample.of(|i| particles.reading(i)),
             temperature_ref_c: None,
-            frozen_fraction: sample.of(|i| particles.frozen_fraction(i)),
+            frozen_fraction: sample.of(|i| particles.front_fraction(i)),
             concentration: carries.then(|| sample.of(|i| particles.concentration[i])),
             concentration_ref: None,
             plane: self.plane.clone(),
@@ -149,7 +149,7 @@ pub(super) fn layers(
         let layer = (((along - first) / spacing) as usize).min(count - 1);
         let sum = &mut sums[layer];
         let concentration = particles.concentration.get(i).copied().unwrap_or(0.0);
-        let read = (particles.reading(i), particles.frozen_fraction(i));
+        let read = (particles.reading(i), particles.front_fraction(i));
         *sum = (sum.0 + along, sum.1 + read.0, sum.2 + read.1, sum.3 + 1, sum.4 + concentration);
     });
     let plane = (dimension > 1).then_some(if direction.along_y { MeanOver::X } else { MeanOver::Y });

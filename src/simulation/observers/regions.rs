@@ -83,7 +83,7 @@ fn values(particles: &Particles, parts: &Parts) -> [Option<f64>; 6] {
         Some(integral(&|i| particles.reading(i)) / size),
         Some(temperatures().fold(f64::INFINITY, f64::min)),
         Some(temperatures().fold(f64::NEG_INFINITY, f64::max)),
-        Some(integral(&|i| particles.frozen_fraction(i)) / size),
+        Some(integral(&|i| particles.front_fraction(i)) / size),
         // Particles that move have brought heat from elsewhere.
         (!particles.move_about()).then(|| integral(&taken_up) / size),
     ]

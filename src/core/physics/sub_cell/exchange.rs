@@ -34,7 +34,7 @@ pub(super) fn exchange<K: Kind<L>, const L: usize, const ENTERING: bool>(
         let (other, weight) = (pair.other as usize, kind.of(pair.weight));
         let above = kind.load(&window.above[other]);
         let beyond = kind.load(&window.above[pair.opposite as usize]);
-        let carried = lies.carried(kind, pair, (above, beyond), fractions);
+        let carried = lies.carried(kind, (pair.offset, pair.cells), (above, beyond), fractions);
         let mut change = weight * above * if ENTERING { carried } else { carried - one };
         let freezing = kind.flags(&window.freezing[other]);
         if ENTERING {

@@ -1,7 +1,6 @@
 //! Which way fronts lie in the cells that they cross.
 
 use super::numbers::{Kind, Numbers};
-use super::pairs::OwnPair;
 use super::window::{NONE, Window};
 
 /// Gradient of the frozen fraction (of eight cells, weighted 1, 2, 1) below which a front has no direction: a plane one has
@@ -40,10 +39,11 @@ impl<N: Numbers> Orientation<N> {
         let (middle, width) = (window.above.len() / 2, window.width);
         let place = |dx: isize, dy: isize| middle.wrapping_add_signed(dx + dy * width as isize);
         let fraction = |dx: isize, dy: isize| window.frozen_fractions(kind, place(dx, dy), place(-dx, -dy), interval);
+        let fractions = kind.load(&window.fractions);
         let (zero, half, one) = (kind.of(0.0), kind.of(0.5), kind.of(1.0));
         let [mut x, mut y] = [zero; 2];
         for (dx, dy, along_x, along_y) in [(1, 0, 2.0, 0.0), (0, 1, 0.0, 2.0), (1, 1, 1.0, 1.0), (1, -1, 1.0, -1.0)] {
-            let drop = fraction(-dx, -dy) - fraction(dx, dy);
+            let drop = drop(kind, [fraction(-dx, -dy), fraction(dx, dy)], fractions);
             x = x + kind.of(along_x) * drop;
             y = y + kind.of(along_y) * drop;
         }
@@ -53,7 +53,6 @@ impl<N: Numbers> Orientation<N> {
         let normal = [x * scale, y * scale];
         let width = normal[0].size().or_greater(normal[1].size()).or(is_known, one);
         let least = (half * width).or(is_known, one);
-        let fractions = kind.load(&window.fractions);
         // The steepest on both sides.
         let [mut frozen, mut unfrozen] = [zero; 2];
         for (dx, dy) in [(1, 0), (-1, 0), (0, 1), (0, -1)] {
@@ -67,18 +66,18 @@ impl<N: Numbers> Orientation<N> {
         Orientation { normal, width, least, slope: slope.or(least.is_less(one), zero) }
     }
 
-    /// How many times as much as the plain one a pair carries, by the potential of its end above that of the front and by
-    /// that on the opposite side: the distance is along the pair. Where both sides are in the same phase two fronts move
+    /// How many times as much as the plain one a pair to an offset carries, over so many spacings, by the potential of its
+    /// end above that of the front and by that on the opposite side: the distance is along the pair. Where both sides are in the same phase two fronts move
     /// toward each other, and each has half of the cell.
     #[inline(always)]
     pub(super) fn carried<const L: usize>(
         &self,
         kind: impl Kind<L, Numbers = N, Flags = N::Flags>,
-        OwnPair { offset, cells, .. }: &OwnPair,
+        (offset, cells): ([f64; 2], f64),
         (above, beyond): (N, N),
         frozen: N,
     ) -> N {
-        let (zero, half, one, cells) = (kind.of(0.0), kind.of(0.5), kind.of(1.0), kind.of(*cells));
+        let (zero, half, one, cells) = (kind.of(0.0), kind.of(0.5), kind.of(1.0), kind.of(cells));
         let are_two = zero.is_less(above * beyond);
         let is_frozen = above.is_less(zero);
         let along = self.normal[0] * kind.of(offset[0]) + self.normal[1] * kind.of(offset[1]);
@@ -106,6 +105,23 @@ impl<N: Numbers> Orientation<N> {
         let beside = one.or_less(beside.or_greater(zero));
         kind.of(0.5) * self.slope * (frozen - other) * beside
     }
+}
+
+/// Difference of the fractions before and behind a cell from which on it is known which way a front goes that meets another.
+const KNOWN: f64 = 0.125;
+
+/// How much the frozen fraction drops from what lies behind cells, with such fractions themselves, to what lies ahead, as far as the
+/// front in the cells does it. Another front, which moves toward it, has come from beyond: it adds to the fraction ahead more than
+/// goes with those behind and in the middle. Likewise of fronts that move apart.
+#[inline(always)]
+fn drop<N: Numbers, const L: usize>(kind: impl Kind<L, Numbers = N>, [behind, ahead]: [N; 2], own: N) -> N {
+    let (zero, one, twice, plain) = (kind.of(0.0), kind.of(1.0), own + own, behind - ahead);
+    let (low, high) = (behind.or_less(ahead), behind.or_greater(ahead));
+    let lower = zero.or_greater(low.or_less(twice - high));
+    let higher = one.or_less(high.or_greater(twice - low));
+    let size = higher - lower;
+    let signed = size.or(ahead.is_less(behind), zero - size);
+    plain + one.or_less(plain.size() * kind.of(1.0 / KNOWN)) * (signed - plain)
 }
 
 impl<const L: usize> Window<L> {

@@ -6,9 +6,6 @@ use super::window::{Surroundings, Window};
 use crate::bonds::stencil::Stencil;
 use crate::memory::HeapSize;
 
-/// Fronts that are worked on side by side.
-pub(super) const LANES: usize = 8;
-
 /// A pair of the particle in the middle of the window.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct OwnPair {

@@ -2,8 +2,7 @@
 
 #[cfg(target_arch = "x86_64")]
 use super::numbers::{Avx2, Avx512};
-use super::numbers::{Flags as _, Kind, Numbers as _, Portable};
-use super::pairs::LANES;
+use super::numbers::{Flags as _, Kind, LANES, Numbers as _, Portable};
 use crate::instruction_set::InstructionSet;
 use crate::memory::HeapSize;
 use crate::physics::sharp_stretches::{Sharp, Stretch};

@@ -140,10 +140,11 @@ impl Particles {
         if !self.sub_cell || !self.materials.of(index).curve.is_sharp() {
             return self.temperature(index);
         }
-        let fraction = self.frozen_fraction(index);
-        if fraction <= 0.0 || fraction >= 1.0 {
+        let by_heat = self.frozen_fraction(index);
+        if by_heat <= 0.0 || by_heat >= 1.0 {
             return self.temperature(index);
         }
+        let fraction = self.front_fraction(index);
         let freezing = self.materials.of(index).curve.freezing_point();
         freezing + at_the_centre(&self.lattice, index, fraction, |other| self.temperature(other) - freezing)
     }

@@ -276,21 +276,24 @@ impl Simulation<'_> {
         Ok(made)
     }
 
-    /// Takes outputs that the last step passed over, and looks into it where a gap closes in it.
+    /// Takes outputs that the last step passed over, and looks into it where a gap closes in it: in the order of their times.
     fn look_back(&mut self, before: f64, made: f64) {
         let now = self.clock.time;
-        if !self.pending.peek().is_some_and(|time| *time < now) && !self.observers.have_crossed(&self.particles) {
+        let has_crossed = self.observers.have_crossed(&self.particles);
+        if !has_crossed && self.pending.peek().is_none_or(|time| *time >= now) {
             return;
         }
         let seen = Stopwatch::start(self.options.threads);
+        let looks = if has_crossed { 1..LOOKS } else { 1..1 };
+        let mut looks = looks.map(|part| before + made * part as f64 / LOOKS as f64).peekable();
         while let Some(time) = self.pending.next_if(|time| *time < now) {
+            while let Some(within) = looks.next_if(|within| *within < time) {
+                self.observe_within(within, Moment::Within, (before, made));
+            }
             self.observe_within(time, Moment::Output { landed: false }, (before, made));
         }
-        if self.observers.have_crossed(&self.particles) {
-            for part in 1..LOOKS {
-                let time = before + made * part as f64 / LOOKS as f64;
-                self.observe_within(time, Moment::Within, (before, made));
-            }
+        for within in looks {
+            self.observe_within(within, Moment::Within, (before, made));
         }
         self.observation.add(&seen);
     }

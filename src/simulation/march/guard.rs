@@ -59,12 +59,12 @@ pub struct Absurd {
     place: DVec2,
     fault: Fault,
     clock: Clock,
-    bound: Bound,
+    bound: Box<Bound>,
 }
 
 impl Absurd {
     fn new(particles: &Particles, particle: usize, clock: &Clock, bound: &Bound, fault: Fault) -> Self {
-        Absurd { particle, place: particles.position(particle), fault, clock: *clock, bound: bound.clone() }
+        Absurd { particle, place: particles.position(particle), fault, clock: *clock, bound: Box::new(bound.clone()) }
     }
 }
 

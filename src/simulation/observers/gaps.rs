@@ -7,7 +7,7 @@ use frazil_core::space::domain::Domain;
 use frazil_record::{GapRow, RunResult};
 
 use super::joint::Joint;
-use super::observer::{Cadence, End, Fractions, Instants, Made, Observer, Schedule, Setup, View, room};
+use super::observer::{Cadence, End, Fractions, Instants, Made, Moment, Observer, Schedule, Setup, View, room};
 use super::rays::{Pair, following, pairs};
 use super::readings::is_sharp;
 
@@ -68,11 +68,13 @@ impl Saved for Gaps {
 
 impl Observer for Gaps {
     fn schedule(&self) -> Schedule {
-        Schedule { start: true, instants: Instants::None, next: self.cadence.next }
+        Schedule { start: true, instants: Instants::Outputs, next: self.cadence.next }
     }
 
     fn observe(&mut self, view: &View<'_>) {
-        self.cadence.seen(view.time);
+        if !matches!(view.moment, Moment::Output { .. }) {
+            self.cadence.seen(view.time);
+        }
         self.gaps.iter_mut().for_each(|(_, joint)| joint.look(view, self.sharp));
     }
 

@@ -450,9 +450,10 @@ impl Observer for Wall {
     }
 
     fn observe(&mut self, view: &View<'_>) {
+        // At outputs too: a wall that is open there closes later.
+        self.joints.iter_mut().for_each(|joint| joint.look(view, self.sharp));
         if !matches!(view.moment, Moment::Output { .. }) {
             self.cadence.seen(view.time);
-            self.joints.iter_mut().for_each(|joint| joint.look(view, self.sharp));
             return;
         }
         let stand = self.stand(view);

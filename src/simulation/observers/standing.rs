@@ -6,13 +6,17 @@ use frazil_core::saved::{Pass, Saved};
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Standing {
     pub(super) periods: Vec<(f64, Option<f64>)>,
+    /// When it first closed (s), which may be told by means of gaps: it may have been seen open after.
+    pub(super) closure: Option<f64>,
+    /// The last time (s) at which not all of its gaps had closed.
+    open: f64,
     /// The last two looks: times and thicknesses (m), 0 while it was open.
     looks: Vec<(f64, f64)>,
 }
 
 impl Saved for Standing {
     fn pass(&mut self, pass: &mut Pass<'_>) {
-        pass.all(&mut [&mut self.periods, &mut self.looks]);
+        pass.all(&mut [&mut self.periods, &mut self.closure, &mut self.open, &mut self.looks]);
     }
 }
 
@@ -22,6 +26,11 @@ impl Standing {
         self.periods.last().is_some_and(|period| period.1.is_none())
     }
 
+    /// Takes that not all of its gaps have closed at a time (s).
+    pub(super) fn is_open(&mut self, time: f64) {
+        self.open = time;
+    }
+
     /// Takes how thick the wall is at a time (m), none where it is open. `joined`: when the frozen bodies of its pipes first joined all around, which is
     /// known more closely than by looks.
     pub(super) fn look(&mut self, time: f64, thickness: Option<f64>, joined: f64) {
@@ -29,7 +38,9 @@ impl Standing {
         if thickness.is_some() && !self.stands() {
             // A look since then that found it open knows better.
             let open = before.is_some_and(|(before, _)| before >= joined);
-            self.periods.push((if open || !self.periods.is_empty() { time } else { joined }, None));
+            let from = if open || !self.periods.is_empty() { time } else { joined };
+            self.closure.get_or_insert(from);
+            self.periods.push((if self.open < from { from } else { self.open.next_up() }, None));
         } else if thickness.is_none() && self.stands() {
             let end = self.opened(time);
             if let Some(period) = self.periods.last_mut() {
@@ -64,6 +75,16 @@ mod tests {
         assert!(!standing.stands());
         standing.look(40.0, Some(0.2), 8.5);
         assert_eq!(standing.periods, [(8.5, Some(30.0)), (40.0, None)]);
+    }
+
+    #[test]
+    fn a_wall_stands_only_after_it_was_last_seen_open() {
+        for (open, from) in [(8.0, 8.5), (9.0, 9.0_f64.next_up())] {
+            let mut standing = Standing::default();
+            standing.is_open(open);
+            standing.look(10.0, Some(0.3), 8.5);
+            assert_eq!((standing.closure, &standing.periods[..]), (Some(8.5), &[(from, None)][..]));
+        }
     }
 
     #[test]

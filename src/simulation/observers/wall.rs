@@ -264,6 +264,9 @@ impl Wall {
         let mut row = PlaneRow { time_s: time, plane: "weakest".into(), ..PlaneRow::default() };
         // Until its pipes have joined all around, the wall is open whatever else is frozen.
         let joined = self.joined();
+        if joined.is_none() {
+            self.standing.is_open(time);
+        }
         if let Some(joined) = joined {
             let mut passage = self.finder.passage(particles, view.fractions(), self.sharp);
             let link = self.crossed(&passage, joined);
@@ -411,7 +414,7 @@ impl Wall {
         let last = self.joined().and_then(|joined| self.last_to_close(joined));
         Some(WallRecord {
             closed: self.standing.stands(),
-            closure_s: periods.first().map(|period| period.0),
+            closure_s: self.standing.closure,
             reopening_s: periods.first().and_then(|period| period.1),
             standing_s: periods.clone(),
             thickness_m: self.weakest.as_ref().map_or(0.0, |weakest| weakest.thickness),

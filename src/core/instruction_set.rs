@@ -38,7 +38,7 @@ impl InstructionSet {
     }
 
     /// The widest that this processor has.
-    pub(crate) fn found() -> Self {
+    fn found() -> Self {
         #[cfg(target_arch = "x86_64")]
         {
             if is_x86_feature_detected!("avx512f")

@@ -7,11 +7,12 @@ use serde::{Deserialize, Serialize};
 pub struct WallRecord {
     /// Whether it stands closed at the end.
     pub closed: bool,
-    /// When it first closed (s); absent if it never did.
+    /// When it first closed (s), by the mean of gaps that are alike; absent if it never did.
     pub closure_s: Option<f64>,
     /// When it first opened again after that (s); absent if it did not.
     pub reopening_s: Option<f64>,
-    /// From when to when it stood closed (s); without an end where it stands at the end of the run.
+    /// From when to when it stood closed (s); without an end where it stands at the end of the run. It does not stand while an output
+    /// sees a gap open, whatever its mean.
     pub standing_s: Vec<(f64, Option<f64>)>,
     /// Thickness at the end where it is weakest: frozen length on the least frozen way through it (m); 0 where it is open.
     pub thickness_m: f64,

@@ -29,7 +29,6 @@ mod tangent;
 mod window;
 
 use crate::bonds::stencil::Stencil;
-use crate::instruction_set::InstructionSet;
 use crate::memory::HeapSize;
 use crate::physics::latent_heat::Materials;
 use crate::physics::laws::Laws;
@@ -40,7 +39,7 @@ use changes::Changes;
 use exchange::exchange;
 pub use extent::Extent;
 use faces::Faces;
-use numbers::{Kind, LANES, Portable};
+use numbers::{Kind, LANES, Portable, by_kind};
 use pairs::{OwnPair, Pairs, distance};
 use phases::Phases;
 pub use readings::{at_the_centre, front_fraction, tell_front_fractions};
@@ -124,8 +123,8 @@ impl SubCellFront {
             let SubCellFront { pairs, faces, surroundings, several, one, changes, .. } = front;
             let (all, place, states) = ((&*pairs, &*faces, lies), (lattice, &*surroundings), (laws, enthalpy));
             match several {
-                Some(window) => act_widely(window, all, place, fronts, states, &sharp, changes),
-                None => act((Portable, one), all, place, fronts, states, &sharp, changes),
+                Some(window) => act_widely(window, all, place, (fronts, &sharp), states, changes),
+                None => act(Portable, one, all, place, (fronts, &sharp), states, changes),
             }
         });
     }
@@ -255,60 +254,29 @@ impl SubCellFront {
     }
 }
 
-/// Lets some fronts of a kind act on what lies around them, by the widest vectors that may be used.
-fn act_widely<Lw: Laws>(
-    window: &mut Window<LANES>,
-    all: (&Pairs, &Faces, Where),
-    place: (&Lattice, &Surroundings),
-    fronts: &[Front],
-    states: (&Lw, &[f64]),
-    material: &Sharp,
-    changes: &mut Changes,
-) {
-    #[cfg(target_arch = "x86_64")]
-    {
-        use numbers::{Avx2, Avx512};
+by_kind!(
+    act_widely,
+    act[Lw: Laws],
+    (
+        window: &mut Window<LANES>,
+        all: (&Pairs, &Faces, Where),
+        place: (&Lattice, &Surroundings),
+        fronts: (&[Front], &Sharp),
+        states: (&Lw, &[f64]),
+        changes: &mut Changes
+    )
+);
 
-        macro_rules! wide {
-            ($name:ident, $kind:ident, $feature:literal) => {
-                #[target_feature(enable = $feature)]
-                fn $name<Lw: Laws>(
-                    window: &mut Window<LANES>,
-                    all: (&Pairs, &Faces, Where),
-                    place: (&Lattice, &Surroundings),
-                    fronts: &[Front],
-                    states: (&Lw, &[f64]),
-                    material: &Sharp,
-                    changes: &mut Changes,
-                ) {
-                    // SAFETY: this is compiled for what the kind needs.
-                    let kind = unsafe { $kind::new() };
-                    act((kind, window), all, place, fronts, states, material, changes);
-                }
-            };
-        }
-        wide!(avx512, Avx512, "avx512f,avx512vl");
-        wide!(avx2, Avx2, "avx2");
-        match InstructionSet::widest() {
-            // SAFETY: the processor has just been asked for these features.
-            InstructionSet::Avx512 => return unsafe { avx512(window, all, place, fronts, states, material, changes) },
-            // SAFETY: as above.
-            InstructionSet::Avx2 => return unsafe { avx2(window, all, place, fronts, states, material, changes) },
-            InstructionSet::Portable => {}
-        }
-    }
-    act((Portable, window), all, place, fronts, states, material, changes);
-}
-
-/// Lets some fronts of a kind act on what lies around them: see [`Window::look_around`].
+/// Lets some fronts of a material, which are all inside cells or all enter them, act on what lies around them: see
+/// [`Window::look_around`].
 #[inline(always)]
 fn act<Lw: Laws, const L: usize>(
-    (kind, window): (impl Kind<L>, &mut Window<L>),
+    kind: impl Kind<L>,
+    window: &mut Window<L>,
     (pairs, faces, front): (&Pairs, &Faces, Where),
     place: (&Lattice, &Surroundings),
-    fronts: &[Front],
+    (fronts, material): (&[Front], &Sharp),
     states: (&Lw, &[f64]),
-    material: &Sharp,
     changes: &mut Changes,
 ) {
     window.look_around(place, fronts, states, (material.potential, material.middle()));

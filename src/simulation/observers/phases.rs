@@ -21,7 +21,7 @@ fn shares(particles: &Particles, (from, to): (f64, f64), time_s: f64) -> PhaseRo
             return;
         }
         let volume = particles.volumes.of(i);
-        let frozen = particles.front_fraction(i);
+        let frozen = particles.frozen_fraction(i);
         if frozen <= 0.0 {
             liquid += volume;
         } else if frozen < 1.0 {

@@ -1,9 +1,6 @@
 //! In which phase each particle is, in a bit for each phase.
 
-#[cfg(target_arch = "x86_64")]
-use super::numbers::{Avx2, Avx512};
-use super::numbers::{Flags as _, Kind, LANES, Numbers as _, Portable};
-use crate::instruction_set::InstructionSet;
+use super::numbers::{Flags as _, Kind, LANES, Numbers as _, Portable, by_kind};
 use crate::memory::HeapSize;
 use crate::physics::sharp_stretches::{Sharp, Stretch};
 
@@ -31,7 +28,6 @@ impl Phases {
 
     /// Those of a state of enthalpies (J/m3), in stretches whose fronts are followed.
     pub(super) fn update(&mut self, (materials, stretches): (&[Sharp], &[Stretch]), enthalpy: &[f64]) {
-        let widest = InstructionSet::widest();
         for (first, end, sharp) in stretches {
             let (first, end, interval) = (*first as usize, *end as usize, materials[*sharp as usize].interval);
             // Words that a stretch fills, and its ends, which others may go on from.
@@ -43,7 +39,7 @@ impl Phases {
             self.set_some(enthalpy, (first, from * WORD), interval);
             let range = from..until;
             let words = (&mut self.frozen[range.clone()], &mut self.freezing[range.clone()], &mut self.unfrozen[range]);
-            tell_widely(widest, &enthalpy[from * WORD..until * WORD], interval, words);
+            tell_widely(&enthalpy[from * WORD..until * WORD], interval, words);
             self.set_some(enthalpy, (until * WORD, end), interval);
         }
     }
@@ -127,6 +123,8 @@ fn phases_of<const L: usize>(kind: impl Kind<L>, enthalpy: &[f64; L], (frozen, u
 /// Words of frozen, freezing and unfrozen particles.
 type Filled<'a> = (&'a mut [u64], &'a mut [u64], &'a mut [u64]);
 
+by_kind!(tell_widely, tell, (enthalpy: &[f64], interval: (f64, f64), words: Filled<'_>));
+
 /// Tells the phases of particles, as many as fill the words.
 #[inline(always)]
 fn tell(kind: impl Kind<LANES>, enthalpy: &[f64], interval: (f64, f64), (frozen, freezing, unfrozen): Filled<'_>) {
@@ -140,33 +138,6 @@ fn tell(kind: impl Kind<LANES>, enthalpy: &[f64], interval: (f64, f64), (frozen,
         }
         [*frozen, *freezing, *unfrozen] = found;
     }
-}
-
-/// The same by the vectors of a processor.
-fn tell_widely(widest: InstructionSet, enthalpy: &[f64], interval: (f64, f64), words: Filled<'_>) {
-    #[cfg(target_arch = "x86_64")]
-    {
-        #[target_feature(enable = "avx512f,avx512vl")]
-        fn avx512(enthalpy: &[f64], interval: (f64, f64), words: Filled<'_>) {
-            // SAFETY: this is compiled for what the kind needs.
-            tell(unsafe { Avx512::new() }, enthalpy, interval, words);
-        }
-        #[target_feature(enable = "avx2")]
-        fn avx2(enthalpy: &[f64], interval: (f64, f64), words: Filled<'_>) {
-            // SAFETY: as above.
-            tell(unsafe { Avx2::new() }, enthalpy, interval, words);
-        }
-        match widest {
-            // SAFETY: the processor has been asked for these features.
-            InstructionSet::Avx512 => return unsafe { avx512(enthalpy, interval, words) },
-            // SAFETY: as above.
-            InstructionSet::Avx2 => return unsafe { avx2(enthalpy, interval, words) },
-            InstructionSet::Portable => {}
-        }
-    }
-    #[cfg(not(target_arch = "x86_64"))]
-    let _ = widest;
-    tell(Portable, enthalpy, interval, words);
 }
 
 impl HeapSize for Phases {

@@ -8,7 +8,7 @@ use std::arch::x86_64::{
     _mm512_loadu_si512, _mm512_mask_blend_pd, _mm512_mul_pd, _mm512_set1_pd, _mm512_sqrt_pd, _mm512_storeu_pd,
     _mm512_sub_pd, _mm512_test_epi64_mask,
 };
-use std::ops::{Add, BitAnd, BitOr, Div, Mul, Not, Sub};
+use std::ops::{Add, BitAnd, Div, Mul, Not, Sub};
 
 use super::{Flags, Kind, Numbers};
 
@@ -126,15 +126,6 @@ impl BitAnd for Bits {
     }
 }
 
-impl BitOr for Bits {
-    type Output = Self;
-
-    #[inline(always)]
-    fn bitor(self, other: Self) -> Self {
-        Bits(self.0 | other.0)
-    }
-}
-
 impl Not for Bits {
     type Output = Self;
 
@@ -225,7 +216,7 @@ macro_rules! fours {
 }
 
 fours!(Fours: Add add _mm256_add_pd, Sub sub _mm256_sub_pd, Mul mul _mm256_mul_pd, Div div _mm256_div_pd);
-fours!(Masks: BitAnd bitand _mm256_and_pd, BitOr bitor _mm256_or_pd);
+fours!(Masks: BitAnd bitand _mm256_and_pd);
 
 impl Numbers for Fours {
     type Flags = Masks;

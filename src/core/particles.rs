@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use crate::memory::{HeapSize, shared};
 use crate::physics::latent_heat::Materials;
-use crate::physics::sub_cell::{at_the_centre, front_fraction, tell_front_fractions};
+use crate::physics::sub_cell::{at_the_centre, cells_with_fronts, front_fraction};
 use crate::saved::{Pass, Saved};
 use crate::side_by_side::{sum_and_size, sum_of, sum_where};
 use crate::space::lattice::Lattice;
@@ -180,16 +180,25 @@ impl Particles {
     /// [`crate::physics::sub_cell::front_fraction`].
     #[inline]
     pub fn front_fraction(&self, index: usize) -> f64 {
-        if !self.sub_cell || self.is_gone(index) || !self.materials.of(index).curve.is_sharp() {
+        if !self.sub_cell || self.is_gone(index) {
             return self.frozen_fraction(index);
         }
+        self.front_fraction_of(index, self.lattice.cell(index))
+    }
+
+    /// The same where fronts are followed, of a particle in a cell, of which nothing is dug out.
+    fn front_fraction_of(&self, index: usize, cell: (i64, i64)) -> f64 {
+        let by_heat = |other: usize| self.materials.of(other).frozen_fraction(self.enthalpy[other]);
+        if !self.materials.of(index).curve.is_sharp() {
+            return by_heat(index);
+        }
         let material = self.materials.index(index);
-        // Of another material, what a particle lacks tells nothing of the slope.
+        // Of another material, what a particle lacks tells its phase alone, and nothing of the slope.
         let lacked = |other: usize| match self.materials.index(other) == material {
             true => self.materials.of(other).latent_heat_lacked(self.enthalpy[other]),
-            false => 0.5,
+            false => by_heat(other),
         };
-        front_fraction(&self.lattice, self.lattice.cell(index), lacked)
+        front_fraction(&self.lattice, cell, lacked)
     }
 
     /// The same of all particles, in place of what was in `fractions`.
@@ -197,14 +206,18 @@ impl Particles {
         fractions.clear();
         fractions.reserve_exact(self.len());
         match self.materials.single() {
-            Some(material) if self.shaft.is_none() => {
-                material.frozen_fractions(&self.enthalpy, fractions);
-                if self.sub_cell && material.curve.is_sharp() {
-                    let lacked = |enthalpy| material.latent_heat_lacked(enthalpy);
-                    tell_front_fractions(&self.lattice, &self.enthalpy, lacked, fractions);
-                }
+            Some(material) => material.frozen_fractions(&self.enthalpy, fractions),
+            None => {
+                let by_heat = |(i, enthalpy): (usize, &f64)| self.materials.of(i).frozen_fraction(*enthalpy);
+                fractions.extend(self.enthalpy.iter().enumerate().map(by_heat));
             }
-            _ => fractions.extend((0..self.len()).map(|i| self.front_fraction(i))),
+        }
+        let fronts = if self.sub_cell { cells_with_fronts(&self.lattice, fractions) } else { Vec::new() };
+        for (index, cell) in fronts {
+            fractions[index] = self.front_fraction_of(index, cell);
+        }
+        if self.shaft.is_some() {
+            self.visit(|i, place| fractions[i] = if self.is_dug(place.length()) { 0.0 } else { fractions[i] });
         }
     }
 

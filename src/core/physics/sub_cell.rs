@@ -42,7 +42,7 @@ use faces::Faces;
 use numbers::{Kind, LANES, Portable, by_kind};
 use pairs::{OwnPair, Pairs, distance};
 use phases::Phases;
-pub use readings::{at_the_centre, front_fraction, tell_front_fractions};
+pub use readings::{at_the_centre, cells_with_fronts, front_fraction};
 use tangent::FrontTangent;
 use window::{Front, Surroundings, Window};
 

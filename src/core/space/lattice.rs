@@ -116,6 +116,7 @@ impl Lattice {
     }
 
     /// Index of the particle in a cell, if the cell belongs to the domain.
+    #[inline]
     pub fn index(&self, column: i64, row: i64) -> Option<usize> {
         let row = usize::try_from(row).ok().filter(|row| *row < self.rows)?;
         let (first, end) = self.span(row);
@@ -124,6 +125,7 @@ impl Lattice {
     }
 
     /// Column and row of a particle.
+    #[inline]
     pub fn cell(&self, index: usize) -> (i64, i64) {
         let row = self.starts.partition_point(|start| *start <= index) - 1;
         ((index - self.starts[row]) as i64 + i64::from(self.spans[row].0), row as i64)

@@ -38,7 +38,7 @@ impl Joint {
     fn openness_in(&self, particles: &Particles, fractions: &Fractions, sharp: bool) -> f64 {
         let ways = match &*self.reading {
             Reading::Neck(neck) => {
-                return neck.width(|i| fractions.of_one(particles, i), || fractions.of(particles));
+                return neck.width(fractions.of(particles));
             }
             Reading::Ways(ways) => ways,
         };
@@ -57,7 +57,7 @@ impl Joint {
     /// Whether open ground parts both bodies now.
     pub(super) fn is_open(&self, particles: &Particles, fractions: &Fractions, sharp: bool) -> bool {
         match &*self.reading {
-            Reading::Neck(neck) => !neck.has_met(|i| fractions.of_one(particles, i), || fractions.of(particles)),
+            Reading::Neck(neck) => !neck.has_met(fractions.of(particles)),
             Reading::Ways(_) => self.openness_in(particles, fractions, sharp) > 0.0,
         }
     }

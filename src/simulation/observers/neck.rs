@@ -96,35 +96,27 @@ impl Neck {
         Neck { ways: (-count..=count).map(|k| way(middle + k as f64 * apart * across)).collect(), spread }
     }
 
-    /// Width (m) of the open ground where it is narrowest, by the frozen fraction of a particle and those of all, for which it asks where
-    /// bends of ways are no more open. Nothing, or less, once both bodies have met; infinite while the bends of all ways are open: then
-    /// it is wider than a particle.
-    pub(super) fn width<'a>(&self, frozen: impl Fn(usize) -> f64, all: impl Fn() -> &'a [f64]) -> f64 {
+    /// Width (m) of the open ground where it is narrowest, by the frozen fractions of particles. Nothing, or less, once both bodies have
+    /// met; infinite while the bends of all ways are open: then it is wider than a particle.
+    pub(super) fn width(&self, fractions: &[f64]) -> f64 {
         let mut widths = NO_WIDTHS;
         let places = 0..=self.ways.len() - AROUND;
-        places.fold(f64::INFINITY, |least, first| least.min(self.width_at(first, &mut widths, &frozen, &all)))
+        places.fold(f64::INFINITY, |least, first| least.min(self.width_at(first, &mut widths, fractions)))
     }
 
     /// Whether both bodies have met. Where they have met half-way, as those that are alike do, nothing else is looked at.
-    pub(super) fn has_met<'a>(&self, frozen: impl Fn(usize) -> f64, all: impl Fn() -> &'a [f64]) -> bool {
-        let half_way = self.width_at((self.ways.len() - AROUND) / 2, &mut { NO_WIDTHS }, &frozen, &all);
-        half_way <= 0.0 || self.width(frozen, all) <= 0.0
+    pub(super) fn has_met(&self, fractions: &[f64]) -> bool {
+        let half_way = self.width_at((self.ways.len() - AROUND) / 2, &mut { NO_WIDTHS }, fractions);
+        half_way <= 0.0 || self.width(fractions) <= 0.0
     }
 
     /// Width (m) by the ways from one on; infinite where the middle one of them bends in the open. Widths of ways that are known are kept
     /// from one call to the next.
-    fn width_at<'a>(
-        &self,
-        first: usize,
-        widths: &mut Widths,
-        frozen: impl Fn(usize) -> f64,
-        all: impl Fn() -> &'a [f64],
-    ) -> f64 {
+    fn width_at(&self, first: usize, widths: &mut Widths, fractions: &[f64]) -> f64 {
         let middle = AROUND / 2;
-        if self.ways[first + middle].gate.of(|i| 1.0 - frozen(i)) >= OPEN {
+        if self.ways[first + middle].gate.of(|i| 1.0 - fractions[i]) >= OPEN {
             return f64::INFINITY;
         }
-        let fractions = all();
         for way in first..first + AROUND {
             let held = &mut widths[way % AROUND];
             if held.0 != way {
@@ -193,7 +185,7 @@ mod tests {
             let neck = Neck::between(discs, &sampler);
             let frozen: Vec<f64> =
                 (0..lattice.len()).map(|i| 1.0 - share(&lattice, i, discs, 0.6 - 0.5 * open)).collect();
-            let found = neck.width(|i| frozen[i], || &frozen);
+            let found = neck.width(&frozen);
             // Sides of six spacings are flatter than parabolas.
             let tolerance = 0.05 * 0.1;
             prop_assert!(found >= open - tolerance, "{found} for {open}");
@@ -208,7 +200,7 @@ mod tests {
         let lattice = Lattice::new(&Domain::Ring { outer_radius: 1.6, sector: Sector::Whole }, 0.1);
         let neck = Neck::between([DVec2::new(-0.6, 0.0), DVec2::new(0.6, 0.1)], &Sampler::on(&lattice));
         let [none, all] = [0.0, 1.0].map(|frozen| vec![frozen; lattice.len()]);
-        assert_eq!(neck.width(|i| none[i], || &none), f64::INFINITY);
-        assert!(neck.width(|i| all[i], || &all) <= 0.0);
+        assert_eq!(neck.width(&none), f64::INFINITY);
+        assert!(neck.width(&all) <= 0.0);
     }
 }

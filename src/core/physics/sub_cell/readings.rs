@@ -1,6 +1,8 @@
 //! What fronts tell of the cells that they cross.
 
-use crate::side_by_side::MinMax;
+use std::ops::Range;
+
+use crate::instruction_set::widest;
 use crate::space::lattice::Lattice;
 
 /// Neighbours along both axes, on either side.
@@ -41,7 +43,8 @@ pub fn front_fraction(lattice: &Lattice, (column, row): (i64, i64), lacked: impl
 /// The same by what is lacked by a cell itself and by its neighbours on either side along both axes. A cell that is at an end of the
 /// freezing interval or beyond has a front only if there is one on its face.
 fn from_around(own: f64, around: [[f64; 2]; 2]) -> f64 {
-    let [least, most] = extremes(own, around);
+    let [[left, right], [below, above]] = around;
+    let (least, most) = (left.min(right).min(below.min(above)), left.max(right).max(below.max(above)));
     if own >= 1.0 && least >= 1.0 || own <= 0.0 && most <= 0.0 {
         return own.clamp(0.0, 1.0);
     }
@@ -51,31 +54,50 @@ fn from_around(own: f64, around: [[f64; 2]; 2]) -> f64 {
     (own - cold + warm).clamp(0.0, 1.0)
 }
 
-/// The least and the most of what is lacked by a cell and by its neighbours.
-fn extremes(own: f64, around: [[f64; 2]; 2]) -> [f64; 2] {
-    around.into_iter().flatten().fold([own; 2], |[least, most], other| [least.min(other), most.max(other)])
+/// Cells in which a front may lie elsewhere than heat alone says, by index, column and row, in order: those beside which the frozen
+/// fraction is another. In the others there is no front, or they are as their neighbours are.
+pub fn cells_with_fronts(lattice: &Lattice, fractions: &[f64]) -> Vec<(usize, (i64, i64))> {
+    let mut marks = vec![false; fractions.len()];
+    let mut differ = vec![false; lattice.columns];
+    let mut look = |first: usize, other: usize, count: usize| {
+        compare_widely(&fractions[first..][..count], &fractions[other..][..count], &mut differ[..count]);
+        for own in [first, other] {
+            marks[own..][..count].iter_mut().zip(&differ).for_each(|(mark, differs)| *mark |= differs);
+        }
+    };
+    for row in 0..lattice.rows {
+        let (start, (first, end)) = (lattice.start(row), lattice.span(row));
+        // Beside a curved wall a row may be without a cell.
+        let Some(along) = (end - first).checked_sub(1) else { continue };
+        if along > 0 {
+            look(start, start + 1, along);
+        }
+        let Some(below) = row.checked_sub(1) else { continue };
+        let (first_below, end_below) = lattice.span(below);
+        let from = first.max(first_below);
+        let Some(both) = end.min(end_below).checked_sub(from) else { continue };
+        look(start + from - first, lattice.start(below) + from - first_below, both);
+    }
+    let rows = (0..lattice.rows).map(|row| (lattice.start(row)..lattice.start(row + 1), lattice.span(row).0, row));
+    let of_row = |(cells, first, row): (Range<usize>, usize, usize)| {
+        let start = cells.start;
+        those_set(&marks[cells]).map(move |along| (start + along, ((first + along) as i64, row as i64)))
+    };
+    rows.flat_map(of_row).collect()
 }
 
-/// Sensible heat of a cell over that of its neighbour, at most, from which on no front is in it: that of one that a front has just
-/// crossed is a third.
-const CROSSED: f64 = 1.0 / 3.0;
+widest!(compare_widely, compare, (some: &[f64], others: &[f64], differ: &mut [bool]));
 
-/// Puts the same of all cells in the place of fractions that are told by heat alone, by the enthalpies (J/m3) of particles of one
-/// material, of which `lacked` tells what they lack.
-pub fn tell_front_fractions(lattice: &Lattice, enthalpy: &[f64], lacked: impl Fn(f64) -> f64, fractions: &mut [f64]) {
-    let MinMax { least: coldest, greatest: warmest, .. } = MinMax::of(enthalpy);
-    let in_question = CROSSED * lacked(warmest).min(0.0)..=1.0 + CROSSED * (lacked(coldest) - 1.0).max(0.0);
-    for row in 0..lattice.rows {
-        let (start, end) = (lattice.start(row), lattice.start(row + 1));
-        let first = lattice.span(row).0 as i64;
-        let in_row = enthalpy[start..end].iter().map(|enthalpy| lacked(*enthalpy));
-        for (number, own) in in_row.enumerate().filter(|(_, own)| in_question.contains(own)) {
-            let (index, column) = (start + number, first + number as i64);
-            let upright = [-1, 1].map(|dy| lattice.index(column, row as i64 + dy).unwrap_or(index));
-            let around = [[index.max(start + 1) - 1, (index + 1).min(end - 1)], upright];
-            fractions[index] = from_around(own, around.map(|axis| axis.map(|other| lacked(enthalpy[other]))));
-        }
-    }
+#[inline(always)]
+fn compare(some: &[f64], others: &[f64], differ: &mut [bool]) {
+    some.iter().zip(others).zip(differ).for_each(|((one, other), differ)| *differ = one != other);
+}
+
+/// Places of those flags that are set, of which there are few.
+fn those_set(flags: &[bool]) -> impl Iterator<Item = usize> {
+    const GROUP: usize = 16;
+    let groups = flags.chunks(GROUP).enumerate().filter(|(_, group)| group.contains(&true));
+    groups.flat_map(|(number, group)| (GROUP * number..).zip(group).filter(|(_, flag)| **flag).map(|(place, _)| place))
 }
 
 /// Sensible heat of the share of a cell that is in one phase, by that of the neighbours in this phase and of the particle itself, all
@@ -97,4 +119,36 @@ fn sensible(around: [[f64; 2]; 2], own: f64, share: f64) -> f64 {
     };
     let [across, upwards] = around.map(along);
     across.max(upwards)
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::space::domain::{Domain, Sector};
+
+    proptest! {
+        /// No cell is left out, however rows of a body begin and end.
+        #[test]
+        fn all_cells_with_fronts_are_found(
+            outer_radius in 1.0..8.0_f64,
+            is_ring in any::<bool>(),
+            lacks in prop::collection::vec(prop_oneof![Just(-0.2), -0.5..1.5_f64, Just(0.4), Just(1.3)], 17 * 17),
+        ) {
+            let domain = match is_ring {
+                true => Domain::Ring { outer_radius, sector: Sector::Whole },
+                false => Domain::Line { length: outer_radius },
+            };
+            let lattice = Lattice::new(&domain, 1.0);
+            let by_heat: Vec<f64> = lacks[..lattice.len()].iter().map(|lacked| lacked.clamp(0.0, 1.0)).collect();
+            let found = cells_with_fronts(&lattice, &by_heat);
+            prop_assert!(found.windows(2).all(|pair| pair[0].0 < pair[1].0));
+            for index in 0..lattice.len() {
+                let told = front_fraction(&lattice, lattice.cell(index), |index| lacks[index]);
+                let is_found = found.contains(&(index, lattice.cell(index)));
+                prop_assert!(is_found || told == by_heat[index], "{told} for {}", lacks[index]);
+            }
+        }
+    }
 }

@@ -82,9 +82,10 @@ pub fn tables() -> impl Iterator<Item = &'static str> {
 /// The observers of a run.
 pub(crate) struct Observers {
     all: Vec<Box<dyn Observer>>,
-    /// Room for the frozen fractions that they see, and how many there are.
-    room: Vec<f64>,
-    fractions: usize,
+    /// Frozen fractions of the state that they have seen last, the time (s) of it, and how many there are.
+    fractions: Fractions,
+    seen: f64,
+    count: usize,
     /// The earliest time (s) at which one of them wants to see a state between outputs.
     next: f64,
 }
@@ -100,8 +101,9 @@ impl Observers {
     /// Those that a scene needs.
     pub(crate) fn new(setup: &Setup<'_>) -> Self {
         let all = OBSERVERS.iter().filter_map(|(of, _)| of(setup)).collect();
-        let fractions = if is_parted(setup.scene) { setup.particles.len() } else { 0 };
-        let mut observers = Observers { all, room: Vec::new(), fractions, next: f64::INFINITY };
+        let count = if is_parted(setup.scene) { setup.particles.len() } else { 0 };
+        let (fractions, seen) = (Fractions::default(), f64::NAN);
+        let mut observers = Observers { all, fractions, seen, count, next: f64::INFINITY };
         observers.plan();
         observers
     }
@@ -116,19 +118,25 @@ impl Observers {
         time >= self.next
     }
 
+    /// Fractions of a state at a time (s): those that are known, if it is the one that was seen last.
+    fn fractions_at(&mut self, time: f64) -> Fractions {
+        let known = std::mem::take(&mut self.fractions);
+        if std::mem::replace(&mut self.seen, time) == time { known } else { Fractions::within(known.into_room()) }
+    }
+
     /// Shows a state to those that want it.
     pub(crate) fn observe(&mut self, mut view: View<'_>) {
-        view.fractions = Fractions::within(std::mem::take(&mut self.room));
+        view.fractions = self.fractions_at(view.time);
         self.all.iter_mut().filter(|observer| observer.schedule().wants(&view)).for_each(|one| one.observe(&view));
-        self.room = view.fractions.into_room();
+        self.fractions = view.fractions;
         self.plan();
     }
 
-    /// Whether something whose instant one of them tells has come about since the last state that it saw.
-    pub(crate) fn have_crossed(&mut self, particles: &Particles) -> bool {
-        let fractions = Fractions::within(std::mem::take(&mut self.room));
+    /// Whether something whose instant one of them tells has come about since the last state that it saw, by the state at a time (s).
+    pub(crate) fn have_crossed(&mut self, particles: &Particles, time: f64) -> bool {
+        let fractions = self.fractions_at(time);
         let crossed = self.all.iter().any(|observer| observer.has_crossed(particles, &fractions));
-        self.room = fractions.into_room();
+        self.fractions = fractions;
         crossed
     }
 
@@ -139,6 +147,6 @@ impl Observers {
 
     /// Bytes that they will hold on the heap at the end of a run.
     pub(crate) fn held_at_the_end(&self) -> usize {
-        self.fractions * size_of::<f64>() + self.all.iter().map(|observer| observer.held_at_the_end()).sum::<usize>()
+        self.count * size_of::<f64>() + self.all.iter().map(|observer| observer.held_at_the_end()).sum::<usize>()
     }
 }

@@ -162,3 +162,28 @@ fn a_dug_shaft_keeps_heat_and_range_under_all_steps() {
         }
     }
 }
+
+/// Also where ground of two kinds freezes and some of it is dug out.
+#[test]
+fn frozen_fractions_of_all_particles_are_those_of_each() {
+    let mut sketch = ring("condition = \"symmetry\"", Sector::Quarter);
+    sketch.materials.push(("wet", sand(&SHARP.replace("52875.8", "105751.6"))));
+    sketch.regions = vec!["material = \"wet\"\nx_min_m = 0.85\nx_max_m = 1.45\ny_min_m = 0\ny_max_m = 3".into()];
+    // Fronts that are not where heat alone says, and cells that were dug out.
+    let found = Mutex::new([0, 0]);
+    let see = |particles: &Particles, _: f64| {
+        let mut all = Vec::new();
+        particles.front_fractions(&mut all);
+        let mut found = found.lock().expect("one thread");
+        for (i, fraction) in all.into_iter().enumerate() {
+            assert_eq!(fraction, particles.front_fraction(i), "particle {i}");
+            let is_other = fraction != particles.frozen_fraction(i);
+            let are_found = [is_other, particles.is_gone(i)];
+            found.iter_mut().zip(are_found).for_each(|(count, is_found)| *count += usize::from(is_found));
+        }
+    };
+    let options = Options { each_output: Some(&see), ..Options::default() };
+    let local = even().find(|kind| kind.name == "local").expect("a method");
+    sketch.run_with(local, &options);
+    assert!(found.into_inner().expect("one thread").iter().all(|count| *count > 100));
+}

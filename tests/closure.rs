@@ -87,7 +87,6 @@ fn each_gap_of_26_rings_closes_on_the_day_of_the_table_under_pd() {
 
 /// At four fifths of the scene's spacing.
 #[test]
-#[ignore = "a minute"]
 fn each_gap_of_26_rings_is_right_on_a_coarse_lattice() {
     ["local", "sph"].iter().for_each(|method| each_gap_is_right(method, (0.08, "rkl2"), 0..26));
 }

@@ -279,8 +279,12 @@ impl Simulation<'_> {
     /// Takes outputs that the last step passed over, and looks into it where a gap closes in it: in the order of their times.
     fn look_back(&mut self, before: f64, made: f64) {
         let now = self.clock.time;
-        let seen = Stopwatch::start(self.options.threads);
         let has_crossed = self.observers.have_crossed(&self.particles, now);
+        // Most steps of a line have nothing to show, and take no longer than to ask the clock.
+        if !has_crossed && self.pending.peek().is_none_or(|time| *time >= now) {
+            return;
+        }
+        let seen = Stopwatch::start(self.options.threads);
         let looks = if has_crossed { 1..LOOKS } else { 1..1 };
         let mut looks = looks.map(|part| before + made * part as f64 / LOOKS as f64).peekable();
         while let Some(time) = self.pending.next_if(|time| *time < now) {

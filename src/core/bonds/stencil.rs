@@ -171,7 +171,7 @@ impl Stencil {
     }
 
     /// The largest rate (m^-2) at which pairs let a wave of potentials decay: `sum w (1 - cos kr)` over all offsets, at most twice the
-    /// sum of weights. It is looked for among so many waves that it is known to 1 %, and is no less than told.
+    /// sum of weights. It is looked for among so many waves that it is known to 1 %, and no less is told.
     pub fn fastest_wave(&self) -> f64 {
         let waves = 16 * self.reach;
         // Of each offset, the cosines at wave numbers pi m / waves.

@@ -10,10 +10,12 @@
 mod coefficients;
 mod error;
 pub mod matter;
+mod meeting;
 pub mod pairs;
 pub mod parameters;
 pub mod particle;
 pub mod power;
+mod quad;
 mod scan;
 mod slabs;
 pub mod sorting;

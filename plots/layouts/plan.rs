@@ -103,8 +103,8 @@ fn notes(canvas: &mut Canvas, layout: &LayoutView<'_>, (left, top): Spot, scale:
     canvas.text((left, top + 1.4 * TICK), count, TICK, Align::Start);
     let words = match layout.weakest() {
         Some(gap) if layout.closure_s.is_some() && !layout.closed() => format!("open again at {}", gap.name()),
-        Some(gap) => match gap.link.closure_s {
-            Some(time) if gap.alike => format!("all gaps alike, closed by {} d", day(time)),
+        Some(gap) => match gap.link.closed_s() {
+            Some(time) if gap.alike => format!("all gaps alike, closed after {} d", day(time)),
             Some(time) => format!("weakest {}, closed after {} d", gap.name(), day(time)),
             None if layout.open() == 1 => format!("{} does not close", gap.name()),
             None if gap.alike => "no gap closes".into(),

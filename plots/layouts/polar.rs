@@ -198,7 +198,7 @@ fn entries(layout: &LayoutView<'_>, groups: &[String], days: &[f64], known: &[(&
     }
     match layout.weakest() {
         Some(gap) if gap.alike => entries.push(Entry::note("all gaps alike")),
-        Some(gap) => match gap.link.closure_s {
+        Some(gap) => match gap.link.closed_s() {
             Some(time) => entries.push(Entry::note(format!("ringed: weakest, {}, {} d", gap.name(), day(time)))),
             None => entries.push(Entry::note(format!("ringed: widest open, {}", gap.name()))),
         },

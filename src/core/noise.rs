@@ -37,25 +37,12 @@ impl StepNoise {
         mix(pair.wrapping_mul(self.stride).wrapping_add(self.key))
     }
 
-    /// What a name brings to the place of its pairs in the sequence, for [`StepNoise::two_at`].
-    #[inline(always)]
-    pub const fn share(&self, name: u32) -> u64 {
-        (name as u64).wrapping_mul(self.stride)
-    }
-
-    /// [`StepNoise::two`] of the word whose halves are two names, from the share of the lower one and that of the upper one,
-    /// moved up by half a word: the shares are worked out once for all pairs of a name.
-    #[inline(always)]
-    pub fn two_at(&self, place: u64) -> (f32, f32) {
-        let word = mix(place.wrapping_add(self.key));
-        (uniform((word >> 32) as u32), uniform(word as u32))
-    }
-
     /// Two independent numbers of zero mean and unit variance of a pair whose names are the two halves of a word, the
     /// greater one first, in a form that a compiler turns into vectors.
     #[inline(always)]
     pub fn two(&self, pair: u64) -> (f32, f32) {
-        self.two_at(pair.wrapping_mul(self.stride))
+        let word = self.word(pair);
+        (uniform((word >> 32) as u32), uniform(word as u32))
     }
 
     /// One such number.
@@ -106,9 +93,6 @@ mod tests {
                     next_seed += x * number(&other, i, j, 0);
                     let (first, second) = noise.two(pair_of(i, j));
                     assert_eq!((x, x), (f64::from(first), f64::from(noise.one(pair_of(i, j)))));
-                    let (upper, lower) = (i.max(j), i.min(j));
-                    let place = (noise.share(upper) << 32).wrapping_add(noise.share(lower));
-                    assert_eq!((first, second), noise.two_at(place));
                     next_half += x * f64::from(second);
                     next_stream += x * number(&noise, i, j, 1);
                     bins[((x / 3f64.sqrt() + 1.0) * 32.0) as usize] += 1.0;

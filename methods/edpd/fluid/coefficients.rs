@@ -54,8 +54,8 @@ pub struct PairColumns<const D: usize> {
     pub mobilities: [f32; ROOM],
     /// Conduction over that of the reference state, where pairs differ.
     pub conductions: [f32; ROOM],
-    /// Places in the sequence of random numbers.
-    pub draws: [u64; ROOM],
+    /// Bits of the names of both ends.
+    pub names: [[f32; ROOM]; 2],
     /// Conservative force over the distance.
     pub forces: [f64; ROOM],
     /// Impulse of friction over the distance, by the relative velocity along the displacement times the distance.
@@ -85,7 +85,7 @@ impl<const D: usize> Default for PairColumns<D> {
             differences: [0.0; ROOM],
             mobilities: [0.0; ROOM],
             conductions: [0.0; ROOM],
-            draws: [0; ROOM],
+            names: [[0.0; ROOM]; 2],
             forces: [0.0; ROOM],
             friction_impulses: [0.0; ROOM],
             noise_impulses: [0.0; ROOM],
@@ -153,7 +153,8 @@ impl<const D: usize> PairColumns<D> {
     #[inline(always)]
     fn random_numbers(&mut self, noise: &StepNoise, whole: usize) {
         for k in 0..whole {
-            (self.random[0][k], self.random[1][k]) = noise.two_at(self.draws[k]);
+            let [me, other] = self.names.each_ref().map(|names| u64::from(names[k].to_bits()));
+            (self.random[0][k], self.random[1][k]) = noise.two(me << 32 | other);
         }
     }
 

@@ -1,7 +1,7 @@
 //! What a step does to the pairs of a slab.
 //!
 //! Pairs in reach are found (`scan`) and gathered, some hundred at a time; all that depends on places and temperatures alone is worked out
-//! for them at once, in vectors (`coefficients`); then velocities and energies of both ends change, pair by pair. Friction and random force
+//! for them at once, in vectors (`coefficients`); then velocities and energies of both ends change, pair by pair (`meeting`). Friction and random force
 //! of a pair act on the velocity `u` of one end against the other along the line between them,
 //!
 //! `u -> c u + root(mu kT (1 - c^2)) xi`,  `c = 1/(1 + x + x^2/2)`,  `x = gamma w_D mu dt`,  `mu = 1/m_i + 1/m_j`
@@ -15,8 +15,10 @@ use frazil_core::instruction_set::InstructionSet;
 
 use super::coefficients::{AT_ONCE, PairColumns, PairConstants, ROOM};
 use super::matter::Matter;
+use super::meeting::{PartnerRow, four_mut};
 use super::particle::{Look, Particle};
-use super::scan::{self, FoundPartners, LANES, MOST, Scan};
+use super::quad::Quad;
+use super::scan::{self, FoundPartners, Kind, LANES, MOST};
 use super::sorting::{CellGrid, PartnerRange, RANGES};
 use super::walls::Walls;
 
@@ -55,16 +57,6 @@ impl<const D: usize, M: Matter> StepConstants<'_, D, M> {
     }
 }
 
-/// One particle's pairs among those at hand.
-#[derive(Debug, Clone, Copy, Default)]
-struct PartnerRow {
-    particle: usize,
-    first: usize,
-    last: usize,
-    /// Whether partners are of the next slab.
-    beyond: bool,
-}
-
 /// Particles of a slab, and the number of the first of them.
 pub type SlabParticles<'a, const D: usize> = (usize, &'a mut [Particle<D>]);
 
@@ -99,7 +91,8 @@ impl<const D: usize> Default for Desk<D> {
     }
 }
 
-/// Lets all pairs of a slab act. `own` are its particles, `next` those of the next slab.
+/// Lets all pairs of a slab act. `own` are its particles and those of the next slab, which stand right after them; of the last
+/// slab, its particles alone, and `next` are those of the first one.
 pub fn act<const D: usize, M: Matter>(
     frame: &StepConstants<'_, D, M>,
     slab: usize,
@@ -143,7 +136,7 @@ fn act_avx2<const D: usize, M: Matter>(
 }
 
 #[inline(always)]
-fn act_by<const D: usize, M: Matter, S: Scan>(
+fn act_by<const D: usize, M: Matter, S: Kind>(
     frame: &StepConstants<'_, D, M>,
     slab: usize,
     desk: &mut Desk<D>,
@@ -167,14 +160,17 @@ fn act_by<const D: usize, M: Matter, S: Scan>(
             let mut begin_at = i + 1;
             for ranges in &sides[..side_count] {
                 let seen = Seen::of(me, i - begin, &ranges[0], if ranges[0].beyond { begin_next } else { begin });
-                let single = seen.place.map(|along| along as f32);
+                let mut single = [0.0; D];
+                for axis in 0..D {
+                    single[axis] = seen.place[axis] as f32;
+                }
                 let mut first = desk.filled;
                 for range in *ranges {
                     let mut from = std::mem::replace(&mut begin_at, 0).max(range.begin);
                     while from < range.end {
                         if desk.filled > AT_ONCE {
-                            put(frame, desk, first, me, &seen);
-                            finish(frame, desk, own, next);
+                            put::<D, M, S>(frame, desk, first, me, &seen);
+                            finish::<D, M, S>(frame, desk, own, next);
                             first = 0;
                         }
                         let to = range.end.min(from + MOST);
@@ -183,11 +179,11 @@ fn act_by<const D: usize, M: Matter, S: Scan>(
                         from = to;
                     }
                 }
-                put(frame, desk, first, me, &seen);
+                put::<D, M, S>(frame, desk, first, me, &seen);
             }
         }
     }
-    finish(frame, desk, own, next);
+    finish::<D, M, S>(frame, desk, own, next);
 }
 
 /// A particle as partners on one side see it.
@@ -222,7 +218,7 @@ fn keep<const D: usize, M: Matter>(frame: &StepConstants<'_, D, M>, desk: &mut D
 
 /// Puts the particles found, from one on, down on the desk as partners of one.
 #[inline(always)]
-fn put<const D: usize, M: Matter>(
+fn put<const D: usize, M: Matter, S: Kind>(
     frame: &StepConstants<'_, D, M>,
     desk: &mut Desk<D>,
     first: usize,
@@ -237,20 +233,19 @@ fn put<const D: usize, M: Matter>(
     if first >= last {
         return;
     }
-    let shut = M::UNEVEN && frame.shut.is_some_and(|axis| seen.shift[axis] != 0.0);
-    let (temperature, draw) = (me.temperature as f32, me.share << 32);
-    for k in first..last {
-        let j = partners[k] as usize;
-        let other = &frame.looks[j];
-        for axis in 0..D {
-            pairs.displacements[axis][k] = seen.place[axis] - other.position[axis];
-        }
-        pairs.exponents[k] = me.half_exponent + other.half_exponent;
-        pairs.temperatures[0][k] = temperature;
-        pairs.temperatures[1][k] = other.temperature as f32;
-        pairs.differences[k] = (me.coldness - other.coldness) as f32;
-        pairs.mobilities[k] = me.mobility + other.mobility;
-        if M::UNEVEN {
+    let me_at = Sight::<D, S::Quad>::of(me, &seen.place);
+    let mut k = first;
+    while k < last && k + 4 <= ROOM {
+        gather_four(frame.looks, &me_at, k, partners, pairs);
+        k += 4;
+    }
+    for k in k..last {
+        gather(&frame.looks[partners[k] as usize], me, &seen.place, k, pairs);
+    }
+    if M::UNEVEN {
+        let shut = frame.shut.is_some_and(|axis| seen.shift[axis] != 0.0);
+        for k in first..last {
+            let other = &frame.looks[partners[k] as usize];
             let conduction = frame.matter.between([(me.seen, me.temperature), (other.seen, other.temperature)]);
             let behind = me.name.max(other.name);
             let closeness = match frame.walls {
@@ -260,16 +255,86 @@ fn put<const D: usize, M: Matter>(
             };
             pairs.conductions[k] = (closeness * conduction) as f32;
         }
-        pairs.draws[k] = draw.wrapping_add(other.share);
-        partners[k] = (j - seen.base) as u32;
     }
-    rows[*row_count] = PartnerRow { particle: seen.particle, first, last, beyond: seen.beyond };
+    rows[*row_count] = PartnerRow { particle: seen.particle, first, last, beyond: seen.beyond, base: seen.base };
     *row_count += 1;
+}
+
+/// A particle, four times, as its partners are compared with it.
+struct Sight<const D: usize, Q: Quad> {
+    place: [Q; D],
+    coldness: Q,
+    singles: [Q::Single; 4],
+}
+
+impl<const D: usize, Q: Quad> Sight<D, Q> {
+    #[inline(always)]
+    fn of<S>(me: &Look<D, S>, place: &[f64; D]) -> Self {
+        let coldness = Q::splat(me.coldness);
+        let mut sight = Sight { place: [coldness; D], coldness, singles: [Q::single_splat(0.0); 4] };
+        for axis in 0..D {
+            sight.place[axis] = Q::splat(place[axis]);
+        }
+        for l in 0..4 {
+            sight.singles[l] = Q::single_splat(me.single()[l]);
+        }
+        sight
+    }
+}
+
+/// Takes down what four pairs of a particle act by.
+#[inline(always)]
+fn gather_four<const D: usize, S, Q: Quad>(
+    looks: &[Look<D, S>],
+    me: &Sight<D, Q>,
+    k: usize,
+    partners: &FoundPartners,
+    pairs: &mut PairColumns<D>,
+) {
+    let (mut columns, mut singles) = ([Q::splat(0.0); 4], [Q::single_splat(0.0); 4]);
+    for l in 0..4 {
+        let other = &looks[partners[k + l] as usize];
+        columns[l] = Q::load(other.wide());
+        singles[l] = Q::single_load(other.single());
+    }
+    let columns = Q::turned(columns);
+    for axis in 0..D {
+        me.place[axis].minus(columns[axis]).store(four_mut(&mut pairs.displacements[axis], k));
+    }
+    Q::single_store(me.coldness.minus(columns[D]).single(), four_mut(&mut pairs.differences, k));
+    let [temperature, half_exponent, mobility, name] = Q::single_turned(singles);
+    Q::single_store(me.singles[0], four_mut(&mut pairs.temperatures[0], k));
+    Q::single_store(temperature, four_mut(&mut pairs.temperatures[1], k));
+    Q::single_store(Q::single_plus(me.singles[1], half_exponent), four_mut(&mut pairs.exponents, k));
+    Q::single_store(Q::single_plus(me.singles[2], mobility), four_mut(&mut pairs.mobilities, k));
+    Q::single_store(me.singles[3], four_mut(&mut pairs.names[0], k));
+    Q::single_store(name, four_mut(&mut pairs.names[1], k));
+}
+
+/// Takes down what a pair acts by.
+#[inline(always)]
+fn gather<const D: usize, S>(
+    other: &Look<D, S>,
+    me: &Look<D, S>,
+    place: &[f64; D],
+    k: usize,
+    pairs: &mut PairColumns<D>,
+) {
+    for axis in 0..D {
+        pairs.displacements[axis][k] = place[axis] - other.position[axis];
+    }
+    pairs.differences[k] = (me.coldness - other.coldness) as f32;
+    pairs.exponents[k] = me.half_exponent + other.half_exponent;
+    pairs.mobilities[k] = me.mobility + other.mobility;
+    for (end, look) in [me, other].into_iter().enumerate() {
+        pairs.temperatures[end][k] = look.single_temperature;
+        pairs.names[end][k] = f32::from_bits(look.name);
+    }
 }
 
 /// Lets the pairs on the desk act, and clears it.
 #[inline(always)]
-fn finish<const D: usize, M: Matter>(
+fn finish<const D: usize, M: Matter, S: Kind>(
     frame: &StepConstants<'_, D, M>,
     desk: &mut Desk<D>,
     own: &mut [Particle<D>],
@@ -281,46 +346,6 @@ fn finish<const D: usize, M: Matter>(
         desk.pairs.evaluate::<false>(&frame.constants, desk.filled)
     };
     desk.met += desk.filled as u64;
-    // Changes of velocities and energies, pair by pair.
-    for row in &desk.rows[..desk.row_count] {
-        let mut me = own[row.particle];
-        if row.beyond {
-            for k in row.first..row.last {
-                meet(desk, k, &mut me, &mut next[desk.partners[k] as usize]);
-            }
-        } else {
-            for k in row.first..row.last {
-                meet(desk, k, &mut me, &mut own[desk.partners[k] as usize]);
-            }
-        }
-        own[row.particle] = me;
-    }
+    S::meet(&desk.pairs, &desk.partners, &desk.rows[..desk.row_count], own, next);
     (desk.filled, desk.row_count) = (0, 0);
-}
-
-#[inline(always)]
-fn meet<const D: usize>(desk: &Desk<D>, k: usize, me: &mut Particle<D>, other: &mut Particle<D>) {
-    let pairs = &desk.pairs;
-    let displacement: [f64; D] = std::array::from_fn(|axis| pairs.displacements[axis][k]);
-    // Pairs of one particle wait for each other: its velocity comes in last.
-    let mut before = 0.0;
-    for axis in 0..D {
-        before = (-displacement[axis]).mul_add(other.velocity[axis], before);
-    }
-    for axis in 0..D {
-        before = displacement[axis].mul_add(me.velocity[axis], before);
-    }
-    let impulse = pairs.friction_impulses[k].mul_add(before, pairs.noise_impulses[k]);
-    // Half of what the pair loses of its kinetic energy.
-    let lost = -0.25 * impulse * pairs.inertias[k].mul_add(impulse, 2.0 * before);
-    let (push, pull) = (me.mobility * impulse, -other.mobility * impulse);
-    for axis in 0..D {
-        let way = displacement[axis];
-        me.velocity[axis] = push.mul_add(way, me.velocity[axis]);
-        other.velocity[axis] = pull.mul_add(way, other.velocity[axis]);
-        me.force[axis] = pairs.forces[k].mul_add(way, me.force[axis]);
-        other.force[axis] = (-pairs.forces[k]).mul_add(way, other.force[axis]);
-    }
-    me.heat += lost + pairs.heats[k];
-    other.heat += lost - pairs.heats[k];
 }

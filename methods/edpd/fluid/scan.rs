@@ -3,7 +3,12 @@
 //! Places are told apart up to an error that grows with the box, by which the reach is taken larger ([`widened`]): no pair
 //! within reach is missed, and the few that are farther apart act with a weight of zero.
 
-use super::coefficients::ROOM;
+use super::coefficients::{PairColumns, ROOM};
+use super::meeting::{PartnerRow, rows_meet};
+use super::particle::Particle;
+use super::quad::Quad;
+#[cfg(target_arch = "x86_64")]
+use super::quad::Wide;
 
 /// Places that are looked at at once.
 pub const LANES: usize = 16;
@@ -21,8 +26,11 @@ pub fn widened(reach: f64, longest: f64) -> f32 {
     ((reach + lost).powi(2) * (1.0 + 8.0 * f64::from(f32::EPSILON))) as f32
 }
 
-/// A way to look through places.
-pub trait Scan {
+/// What a kind of processor does in its own way.
+pub trait Kind {
+    /// Four numbers at once.
+    type Quad: Quad;
+
     /// Notes which of the places from one number to another are nearer to a place than the root of `square`, after those
     /// noted before; returns how many are noted then. Columns of places must be [`LANES`] longer than what is looked through,
     /// and there must be room for all.
@@ -34,6 +42,15 @@ pub trait Scan {
         count: usize,
         found: &mut FoundPartners,
     ) -> usize;
+
+    /// Lets the pairs of rows act, see [`rows_meet`].
+    fn meet<const D: usize>(
+        pairs: &PairColumns<D>,
+        partners: &FoundPartners,
+        rows: &[PartnerRow],
+        own: &mut [Particle<D>],
+        next: &mut [Particle<D>],
+    );
 }
 
 /// Places that are told apart at once where there is no instruction that packs the near ones together.
@@ -61,7 +78,9 @@ const PACKED: [[u8; GROUP]; 1 << GROUP] = {
 #[derive(Debug)]
 pub struct Portable;
 
-impl Scan for Portable {
+impl Kind for Portable {
+    type Quad = [f64; 4];
+
     #[inline(always)]
     fn near<const D: usize>(
         columns: &[&[f32]; D],
@@ -95,6 +114,17 @@ impl Scan for Portable {
         }
         count
     }
+
+    #[inline(always)]
+    fn meet<const D: usize>(
+        pairs: &PairColumns<D>,
+        partners: &FoundPartners,
+        rows: &[PartnerRow],
+        own: &mut [Particle<D>],
+        next: &mut [Particle<D>],
+    ) {
+        rows_meet::<D, Self::Quad>(pairs, partners, rows, own, next);
+    }
 }
 
 /// Which of the squares are below another, as bits.
@@ -109,7 +139,9 @@ fn below(squares: &[f32; GROUP], square: f32) -> usize {
 pub struct Avx2;
 
 #[cfg(target_arch = "x86_64")]
-impl Scan for Avx2 {
+impl Kind for Avx2 {
+    type Quad = Wide;
+
     #[inline(always)]
     fn near<const D: usize>(
         columns: &[&[f32]; D],
@@ -149,6 +181,28 @@ impl Scan for Avx2 {
         }
         count
     }
+
+    #[inline(always)]
+    fn meet<const D: usize>(
+        pairs: &PairColumns<D>,
+        partners: &FoundPartners,
+        rows: &[PartnerRow],
+        own: &mut [Particle<D>],
+        next: &mut [Particle<D>],
+    ) {
+        #[target_feature(enable = "avx2,fma")]
+        fn widely<const D: usize>(
+            pairs: &PairColumns<D>,
+            partners: &FoundPartners,
+            rows: &[PartnerRow],
+            own: &mut [Particle<D>],
+            next: &mut [Particle<D>],
+        ) {
+            rows_meet::<D, Wide>(pairs, partners, rows, own, next);
+        }
+        // SAFETY: the processor has these instructions (see the type).
+        unsafe { widely(pairs, partners, rows, own, next) }
+    }
 }
 
 /// By the instructions of AVX-512, which a caller must know to be there.
@@ -157,7 +211,9 @@ impl Scan for Avx2 {
 pub struct Avx512;
 
 #[cfg(target_arch = "x86_64")]
-impl Scan for Avx512 {
+impl Kind for Avx512 {
+    type Quad = Wide;
+
     #[inline(always)]
     fn near<const D: usize>(
         columns: &[&[f32]; D],
@@ -198,6 +254,28 @@ impl Scan for Avx512 {
         }
         count
     }
+
+    #[inline(always)]
+    fn meet<const D: usize>(
+        pairs: &PairColumns<D>,
+        partners: &FoundPartners,
+        rows: &[PartnerRow],
+        own: &mut [Particle<D>],
+        next: &mut [Particle<D>],
+    ) {
+        #[target_feature(enable = "avx512f,avx512vl,avx512dq,fma")]
+        fn widely<const D: usize>(
+            pairs: &PairColumns<D>,
+            partners: &FoundPartners,
+            rows: &[PartnerRow],
+            own: &mut [Particle<D>],
+            next: &mut [Particle<D>],
+        ) {
+            rows_meet::<D, Wide>(pairs, partners, rows, own, next);
+        }
+        // SAFETY: the processor has these instructions (see the type).
+        unsafe { widely(pairs, partners, rows, own, next) }
+    }
 }
 
 #[cfg(test)]
@@ -209,7 +287,7 @@ mod tests {
     use super::*;
 
     /// What `S` notes.
-    fn noted<S: Scan>(
+    fn noted<S: Kind>(
         columns: &[&[f32]; 2],
         place: &[f32; 2],
         range: (usize, usize),

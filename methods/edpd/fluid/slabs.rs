@@ -36,9 +36,7 @@ fn twos<const D: usize, M: Matter>(
     (begin, particles): SlabParticles<'_, D>,
 ) {
     if let [desk, _] = desks {
-        let (own, next) = particles.split_at_mut(frame.count(slab..slab + 1));
-        let begin_next = begin + own.len();
-        return act(frame, slab, desk, (begin, own), (begin_next, next));
+        return act(frame, slab, desk, (begin, particles), (0, &mut []));
     }
     let half = (desks.len() / 4 * 2).max(2);
     let (desks, other_desks) = desks.split_at_mut(half);

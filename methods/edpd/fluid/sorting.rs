@@ -38,7 +38,8 @@ pub struct PartnerRange<const D: usize> {
     pub end: usize,
     /// Where they are seen from the cell, across sides of the box, over where they stand.
     pub shift: [f64; D],
-    /// Whether they belong to the next slab.
+    /// Whether they belong to the next slab, and that is the first one: the particles of every other stand right after the
+    /// cell's own slab.
     pub beyond: bool,
 }
 
@@ -147,7 +148,7 @@ impl<const D: usize> CellGrid<D> {
             let mut add = |from: usize, to: usize, across: f64| {
                 let mut shift = shift;
                 shift[0] = across * self.lengths[0];
-                let beyond = !own.contains(&(row + from));
+                let beyond = row + from < own.start;
                 ranges[count % RANGES] =
                     PartnerRange { begin: starts[row + from] as usize, end: starts[row + to] as usize, shift, beyond };
                 count += 1;

@@ -144,7 +144,7 @@ impl<const D: usize, M: Matter> Fluid<D, M> {
     /// Lets all pairs act for a time.
     pub(super) fn meet(&mut self, time: f64) {
         let noise = StepNoise::new(self.seed, self.steps);
-        self.look(&noise, time);
+        self.look(time);
         let parameters = &self.parameters;
         let frame = StepConstants {
             looks: &self.looks,
@@ -172,20 +172,20 @@ impl<const D: usize, M: Matter> Fluid<D, M> {
     }
 
     /// Shows pairs all particles as they are before the pairs act for a time.
-    fn look(&mut self, noise: &StepNoise, time: f64) {
+    fn look(&mut self, time: f64) {
         let Fluid { parameters, matter, particles, looks, places, walls, .. } = self;
         let parallel = self.pool.is_some();
         let look = |particle: &Particle<D>| {
             let temperature = matter.temperature(particle.heat);
             Look {
                 position: particle.position,
-                temperature,
                 coldness: 1.0 / temperature,
+                single_temperature: temperature as f32,
                 half_exponent: (0.5 * parameters.exponent.at(temperature)) as f32,
                 mobility: particle.mobility as f32,
-                share: noise.share(particle.name),
-                seen: matter.see(particle.heat, particle.mobility > 0.0),
                 name: particle.name,
+                temperature,
+                seen: matter.see(particle.heat, particle.mobility > 0.0),
             }
         };
         if parallel {

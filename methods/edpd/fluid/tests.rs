@@ -73,6 +73,37 @@ fn threads_do_not_matter() {
     }
 }
 
+/// A processor with narrower vectors makes the same, to the last bit.
+#[test]
+fn instruction_sets_do_not_matter() {
+    use frazil_core::instruction_set::{self, InstructionSet};
+
+    fn check<const D: usize>(lengths: [f64; D]) {
+        let state = |widest| {
+            instruction_set::limit(widest);
+            let mut fluid = fluid(lengths, 0.007, 1);
+            fluid.change(|particle| {
+                particle.heat = 1e4 * (particle.position[0] / lengths[0] - 0.5);
+                // Some stand still.
+                particle.mobility = if particle.name % 7 == 0 { 0.0 } else { 1.0 };
+                particle.velocity = particle.velocity.map(|along| along * particle.mobility);
+            });
+            fluid.advance(100, &Undriven).expect("steps");
+            instruction_set::limit(InstructionSet::Avx512);
+            let bits = |p: &Particle<D>| {
+                (p.name, p.position.map(f64::to_bits), p.velocity.map(f64::to_bits), p.heat.to_bits())
+            };
+            fluid.particles().iter().map(bits).collect::<Vec<_>>()
+        };
+        let portable = state(InstructionSet::Portable);
+        for widest in [InstructionSet::Avx2, InstructionSet::Avx512] {
+            assert!(portable == state(widest), "{widest}");
+        }
+    }
+    check([16.0, 15.0]);
+    check([7.0, 6.5, 7.5]);
+}
+
 /// Cells and slabs leave out no pair and take none twice: the potential is that of all pairs.
 #[test]
 fn every_pair_is_met_once() {

@@ -148,6 +148,7 @@ impl<const D: usize> Walls<D> {
             if let WallState::Held(temperature) = self.faces[behind.patch as usize] {
                 let look = &mut looks[*i as usize];
                 (look.temperature, look.coldness) = (temperature, 1.0 / temperature);
+                look.single_temperature = temperature as f32;
                 look.seen = matter.see_at(temperature);
             }
         }

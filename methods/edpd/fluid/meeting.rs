@@ -70,7 +70,7 @@ impl<const D: usize, Q: Quad> Mover<D, Q> {
     }
 }
 
-/// Lets the pairs of rows act. `own` and `next` as in [`super::pairs::act`].
+/// Lets the pairs of rows act. `own` are particles of a slab and of the next, `next` those of the first slab, next to the last one.
 #[inline(always)]
 pub fn rows_meet<const D: usize, Q: Quad>(
     pairs: &PairColumns<D>,
@@ -147,9 +147,16 @@ fn four_meet<const D: usize, Q: Quad>(
     for axis in 0..D {
         ways[axis] = Q::load(four(&pairs.displacements[axis], k));
     }
+    let mut at = [0; 4];
+    for l in 0..4 {
+        at[l] = partners[k + l] as usize - base;
+        assert!(at[l] < others.len());
+    }
+    // SAFETY: all are within, as has just been asked, and a particle has each partner once in a row.
+    let others = unsafe { others.get_disjoint_unchecked_mut(at) };
     let mut columns = [Q::splat(0.0); 4];
     for l in 0..4 {
-        columns[l] = Q::load(others[partners[k + l] as usize - base].motion());
+        columns[l] = Q::load(others[l].motion());
     }
     let mut columns = Q::turned(columns);
     let friction = Q::load(four(&pairs.friction_impulses, k));
@@ -187,9 +194,8 @@ fn four_meet<const D: usize, Q: Quad>(
     }
     let (motions, pushes) = (Q::turned(columns), Q::turned(pushes));
     for l in 0..4 {
-        let other = &mut others[partners[k + l] as usize - base];
-        motions[l].store(other.motion());
-        let pushed = other.pushed();
+        motions[l].store(others[l].motion());
+        let pushed = others[l].pushed();
         Q::load(pushed).minus(pushes[l]).store(pushed);
     }
 }

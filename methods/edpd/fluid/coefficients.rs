@@ -10,8 +10,8 @@ use frazil_core::noise::StepNoise;
 use super::power::raise;
 use super::scan::MOST;
 
-/// Pairs that a desk has room for.
-pub const ROOM: usize = AT_ONCE + MOST;
+/// Pairs that a desk has room for: those found, and the rest of a vector.
+pub const ROOM: usize = AT_ONCE + MOST + VECTOR;
 
 /// Pairs after which those at hand are worked on.
 pub const AT_ONCE: usize = 128;

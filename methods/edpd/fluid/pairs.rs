@@ -15,7 +15,7 @@ use frazil_core::instruction_set::InstructionSet;
 
 use super::coefficients::{AT_ONCE, PairColumns, PairConstants, ROOM};
 use super::matter::Matter;
-use super::meeting::{PartnerRow, four_mut};
+use super::meeting::{PartnerRow, four_mut, rows_meet};
 use super::particle::{Look, Particle};
 use super::quad::Quad;
 use super::scan::{self, FoundPartners, Kind, LANES, MOST};
@@ -234,13 +234,9 @@ fn put<const D: usize, M: Matter, S: Kind>(
         return;
     }
     let me_at = Sight::<D, S::Quad>::of(me, &seen.place);
-    let mut k = first;
-    while k < last && k + 4 <= ROOM {
+    // The last four may go beyond the row, where numbers of particles found before stand; the next row is written over them.
+    for k in (first..last).step_by(4) {
         gather_four(frame.looks, &me_at, k, partners, pairs);
-        k += 4;
-    }
-    for k in k..last {
-        gather(&frame.looks[partners[k] as usize], me, &seen.place, k, pairs);
     }
     if M::UNEVEN {
         let shut = frame.shut.is_some_and(|axis| seen.shift[axis] != 0.0);
@@ -311,27 +307,6 @@ fn gather_four<const D: usize, S, Q: Quad>(
     Q::single_store(name, four_mut(&mut pairs.names[1], k));
 }
 
-/// Takes down what a pair acts by.
-#[inline(always)]
-fn gather<const D: usize, S>(
-    other: &Look<D, S>,
-    me: &Look<D, S>,
-    place: &[f64; D],
-    k: usize,
-    pairs: &mut PairColumns<D>,
-) {
-    for axis in 0..D {
-        pairs.displacements[axis][k] = place[axis] - other.position[axis];
-    }
-    pairs.differences[k] = (me.coldness - other.coldness) as f32;
-    pairs.exponents[k] = me.half_exponent + other.half_exponent;
-    pairs.mobilities[k] = me.mobility + other.mobility;
-    for (end, look) in [me, other].into_iter().enumerate() {
-        pairs.temperatures[end][k] = look.single_temperature;
-        pairs.names[end][k] = f32::from_bits(look.name);
-    }
-}
-
 /// Lets the pairs on the desk act, and clears it.
 #[inline(always)]
 fn finish<const D: usize, M: Matter, S: Kind>(
@@ -346,6 +321,6 @@ fn finish<const D: usize, M: Matter, S: Kind>(
         desk.pairs.evaluate::<false>(&frame.constants, desk.filled)
     };
     desk.met += desk.filled as u64;
-    S::meet(&desk.pairs, &desk.partners, &desk.rows[..desk.row_count], own, next);
+    rows_meet::<D, S::Quad>(&desk.pairs, &desk.partners, &desk.rows[..desk.row_count], own, next);
     (desk.filled, desk.row_count) = (0, 0);
 }

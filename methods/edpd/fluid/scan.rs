@@ -3,9 +3,7 @@
 //! Places are told apart up to an error that grows with the box, by which the reach is taken larger ([`widened`]): no pair
 //! within reach is missed, and the few that are farther apart act with a weight of zero.
 
-use super::coefficients::{PairColumns, ROOM};
-use super::meeting::{PartnerRow, rows_meet};
-use super::particle::Particle;
+use super::coefficients::ROOM;
 use super::quad::Quad;
 #[cfg(target_arch = "x86_64")]
 use super::quad::Wide;
@@ -42,15 +40,6 @@ pub trait Kind {
         count: usize,
         found: &mut FoundPartners,
     ) -> usize;
-
-    /// Lets the pairs of rows act, see [`rows_meet`].
-    fn meet<const D: usize>(
-        pairs: &PairColumns<D>,
-        partners: &FoundPartners,
-        rows: &[PartnerRow],
-        own: &mut [Particle<D>],
-        next: &mut [Particle<D>],
-    );
 }
 
 /// Places that are told apart at once where there is no instruction that packs the near ones together.
@@ -114,17 +103,6 @@ impl Kind for Portable {
         }
         count
     }
-
-    #[inline(always)]
-    fn meet<const D: usize>(
-        pairs: &PairColumns<D>,
-        partners: &FoundPartners,
-        rows: &[PartnerRow],
-        own: &mut [Particle<D>],
-        next: &mut [Particle<D>],
-    ) {
-        rows_meet::<D, Self::Quad>(pairs, partners, rows, own, next);
-    }
 }
 
 /// Which of the squares are below another, as bits.
@@ -181,28 +159,6 @@ impl Kind for Avx2 {
         }
         count
     }
-
-    #[inline(always)]
-    fn meet<const D: usize>(
-        pairs: &PairColumns<D>,
-        partners: &FoundPartners,
-        rows: &[PartnerRow],
-        own: &mut [Particle<D>],
-        next: &mut [Particle<D>],
-    ) {
-        #[target_feature(enable = "avx2,fma")]
-        fn widely<const D: usize>(
-            pairs: &PairColumns<D>,
-            partners: &FoundPartners,
-            rows: &[PartnerRow],
-            own: &mut [Particle<D>],
-            next: &mut [Particle<D>],
-        ) {
-            rows_meet::<D, Wide>(pairs, partners, rows, own, next);
-        }
-        // SAFETY: the processor has these instructions (see the type).
-        unsafe { widely(pairs, partners, rows, own, next) }
-    }
 }
 
 /// By the instructions of AVX-512, which a caller must know to be there.
@@ -253,28 +209,6 @@ impl Kind for Avx512 {
             }
         }
         count
-    }
-
-    #[inline(always)]
-    fn meet<const D: usize>(
-        pairs: &PairColumns<D>,
-        partners: &FoundPartners,
-        rows: &[PartnerRow],
-        own: &mut [Particle<D>],
-        next: &mut [Particle<D>],
-    ) {
-        #[target_feature(enable = "avx512f,avx512vl,avx512dq,fma")]
-        fn widely<const D: usize>(
-            pairs: &PairColumns<D>,
-            partners: &FoundPartners,
-            rows: &[PartnerRow],
-            own: &mut [Particle<D>],
-            next: &mut [Particle<D>],
-        ) {
-            rows_meet::<D, Wide>(pairs, partners, rows, own, next);
-        }
-        // SAFETY: the processor has these instructions (see the type).
-        unsafe { widely(pairs, partners, rows, own, next) }
     }
 }
 

@@ -7,7 +7,6 @@
 use super::coefficients::{PairColumns, ROOM};
 use super::particle::Particle;
 use super::quad::Quad;
-use super::scan::FoundPartners;
 
 /// One particle's pairs among those at hand.
 #[derive(Debug, Clone, Copy, Default)]
@@ -74,7 +73,7 @@ impl<const D: usize, Q: Quad> Mover<D, Q> {
 #[inline(always)]
 pub fn rows_meet<const D: usize, Q: Quad>(
     pairs: &PairColumns<D>,
-    partners: &FoundPartners,
+    partners: &[u32; ROOM],
     rows: &[PartnerRow],
     own: &mut [Particle<D>],
     next: &mut [Particle<D>],
@@ -137,7 +136,7 @@ impl<const D: usize, Q: Quad> Chain<D, Q> {
 #[inline(always)]
 fn four_meet<const D: usize, Q: Quad>(
     pairs: &PairColumns<D>,
-    partners: &FoundPartners,
+    partners: &[u32; ROOM],
     k: usize,
     base: usize,
     me: &mut Mover<D, Q>,
@@ -159,13 +158,13 @@ fn four_meet<const D: usize, Q: Quad>(
         columns[l] = Q::load(others[l].motion());
     }
     let mut columns = Q::turned(columns);
-    let friction = Q::load(four(&pairs.friction_impulses, k));
+    let friction = Q::wide(four(&pairs.friction_impulses, k));
     // What the four would do each alone, before the particle has met any in this row.
     let mut before = ways[0].times(me.velocity[0].minus(columns[0]));
     for axis in 1..D {
         before = ways[axis].times_plus(me.velocity[axis].minus(columns[axis]), before);
     }
-    let mut impulses = friction.times_plus(before, Q::load(four(&pairs.noise_impulses, k)));
+    let mut impulses = friction.times_plus(before, Q::wide(four(&pairs.noise_impulses, k)));
     for axis in 0..D {
         let along = me.mobility.times(ways[axis]);
         impulses = friction.times(along).times_plus(me.momentum[axis], impulses);
@@ -180,12 +179,14 @@ fn four_meet<const D: usize, Q: Quad>(
     let Chain { impulses, before, momentum, .. } = chain;
     me.momentum = momentum;
     let twice = before.plus(before);
-    let lost = Q::splat(-0.25).times(impulses).times(Q::load(four(&pairs.inertias, k)).times_plus(impulses, twice));
-    let heats = Q::load(four(&pairs.heats, k));
+    let mobilities = Q::wide(four(&pairs.mobilities, k));
+    let inertias = mobilities.times(Q::load(four(&pairs.squares, k)));
+    let lost = Q::splat(-0.25).times(impulses).times(inertias.times_plus(impulses, twice));
+    let heats = Q::wide(four(&pairs.heats, k));
     me.heat = me.heat.plus(lost.plus(heats));
     columns[D] = columns[D].plus(lost.minus(heats));
     let forces = Q::load(four(&pairs.forces, k));
-    let pull = Q::wide(four(&pairs.mobilities, k)).minus(me.mobility).times(impulses);
+    let pull = mobilities.minus(me.mobility).times(impulses);
     let mut pushes = [Q::splat(0.0); 4];
     for axis in 0..D {
         columns[axis] = pull.times_from(ways[axis], columns[axis]);
@@ -214,9 +215,10 @@ fn meet<const D: usize>(pairs: &PairColumns<D>, k: usize, me: &mut Particle<D>, 
     for axis in 0..D {
         before = displacement[axis].mul_add(me.velocity[axis], before);
     }
-    let impulse = pairs.friction_impulses[k].mul_add(before, pairs.noise_impulses[k]);
+    let impulse = f64::from(pairs.friction_impulses[k]).mul_add(before, f64::from(pairs.noise_impulses[k]));
     // Half of what the pair loses of its kinetic energy.
-    let lost = -0.25 * impulse * pairs.inertias[k].mul_add(impulse, 2.0 * before);
+    let inertia = f64::from(pairs.mobilities[k]) * pairs.squares[k];
+    let lost = -0.25 * impulse * inertia.mul_add(impulse, 2.0 * before);
     let (push, pull) = (me.mobility * impulse, -other.mobility * impulse);
     for axis in 0..D {
         let way = displacement[axis];
@@ -225,6 +227,7 @@ fn meet<const D: usize>(pairs: &PairColumns<D>, k: usize, me: &mut Particle<D>, 
         me.force[axis] = pairs.forces[k].mul_add(way, me.force[axis]);
         other.force[axis] = (-pairs.forces[k]).mul_add(way, other.force[axis]);
     }
-    me.heat += lost + pairs.heats[k];
-    other.heat += lost - pairs.heats[k];
+    let heat = f64::from(pairs.heats[k]);
+    me.heat += lost + heat;
+    other.heat += lost - heat;
 }

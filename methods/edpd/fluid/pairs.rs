@@ -18,7 +18,7 @@ use super::matter::Matter;
 use super::meeting::{PartnerRow, four_mut, rows_meet};
 use super::particle::{Look, Particle};
 use super::quad::Quad;
-use super::scan::{self, FoundPartners, Kind, LANES, MOST};
+use super::scan::{self, Kind, MOST, Notes, Stretch, TOGETHER};
 use super::sorting::{CellGrid, PartnerRange, RANGES};
 use super::walls::Walls;
 
@@ -64,8 +64,8 @@ pub type SlabParticles<'a, const D: usize> = (usize, &'a mut [Particle<D>]);
 #[derive(Debug, Clone)]
 pub struct Desk<const D: usize> {
     pairs: PairColumns<D>,
-    /// Partners: their numbers among all, then, once they are put down, in their slab.
-    partners: FoundPartners,
+    /// Partners: their numbers among all.
+    partners: [u32; ROOM],
     /// Pairs at hand.
     filled: usize,
     /// None is empty.
@@ -75,18 +75,20 @@ pub struct Desk<const D: usize> {
     pub potential: f64,
     /// Pairs within reach, and a few in a million beyond.
     pub met: u64,
+    notes: Notes,
 }
 
 impl<const D: usize> Default for Desk<D> {
     fn default() -> Self {
         Desk {
             pairs: PairColumns::default(),
-            partners: [0; ROOM + LANES],
+            partners: [0; ROOM],
             filled: 0,
             rows: [PartnerRow::default(); AT_ONCE + 1],
             row_count: 0,
             potential: 0.0,
             met: 0,
+            notes: Notes::default(),
         }
     }
 }
@@ -154,92 +156,120 @@ fn act_by<const D: usize, M: Matter, S: Kind>(
             sides[side_count] = side;
             side_count += 1;
         }
-        for i in frame.starts[cell] as usize..frame.starts[cell + 1] as usize {
-            let me = &frame.looks[i];
+        let (start, end) = (frame.starts[cell] as usize, frame.starts[cell + 1] as usize);
+        for first in (start..end).step_by(TOGETHER) {
+            let few = first..end.min(first + TOGETHER);
             // Of pairs within the cell each is met from its first end.
-            let mut begin_at = i + 1;
+            let mut begin_at = first + 1;
             for ranges in &sides[..side_count] {
-                let seen = Seen::of(me, i - begin, &ranges[0], if ranges[0].beyond { begin_next } else { begin });
-                let mut single = [0.0; D];
-                for axis in 0..D {
-                    single[axis] = seen.place[axis] as f32;
-                }
-                let mut first = desk.filled;
+                let PartnerRange { shift, beyond, .. } = ranges[0];
+                let side = Side { shift, beyond, begin, base: if beyond { begin_next } else { begin } };
+                let places = side.seen(&frame.looks[few.clone()]);
                 for range in *ranges {
-                    let mut from = std::mem::replace(&mut begin_at, 0).max(range.begin);
+                    let mut steps = usize::from(begin_at > 0);
+                    let mut from = std::mem::take(&mut begin_at).max(range.begin);
                     while from < range.end {
-                        if desk.filled > AT_ONCE {
-                            put::<D, M, S>(frame, desk, first, me, &seen);
-                            finish::<D, M, S>(frame, desk, own, next);
-                            first = 0;
+                        if desk.notes.counts.iter().any(|count| *count > MOST) {
+                            put_all::<D, M, S>(frame, desk, few.clone(), &side, own, next);
                         }
                         let to = range.end.min(from + MOST);
-                        desk.filled =
-                            S::near(&frame.places, &single, (from, to), frame.reach, desk.filled, &mut desk.partners);
-                        from = to;
+                        S::near(&frame.places, &places, Stretch { from, to, steps }, frame.reach, &mut desk.notes);
+                        (from, steps) = (to, 0);
                     }
                 }
-                put::<D, M, S>(frame, desk, first, me, &seen);
+                put_all::<D, M, S>(frame, desk, few.clone(), &side, own, next);
             }
         }
     }
     finish::<D, M, S>(frame, desk, own, next);
 }
 
-/// A particle as partners on one side see it.
-struct Seen<const D: usize> {
-    /// Its number in the slab.
-    particle: usize,
-    place: [f64; D],
-    /// Whether partners are of the next slab, the number of the first particle of their slab, and how far they are shifted.
-    beyond: bool,
-    base: usize,
+/// Where partners of the particles of a cell are.
+struct Side<const D: usize> {
+    /// How far they are shifted.
     shift: [f64; D],
+    /// Whether they are of the next slab, which is the first one.
+    beyond: bool,
+    /// Numbers of the first particle of the slab and of that of theirs.
+    begin: usize,
+    base: usize,
 }
 
-impl<const D: usize> Seen<D> {
+impl<const D: usize> Side<D> {
+    /// Where they see some particles; beyond reach, where there are fewer.
     #[inline(always)]
-    fn of<S>(me: &Look<D, S>, particle: usize, range: &PartnerRange<D>, base: usize) -> Self {
-        let place = std::array::from_fn(|axis| me.position[axis] - range.shift[axis]);
-        Seen { particle, place, beyond: range.beyond, base, shift: range.shift }
+    fn seen<S>(&self, few: &[Look<D, S>]) -> [[f32; D]; TOGETHER] {
+        let mut places = [[f32::NAN; D]; TOGETHER];
+        for (place, look) in places.iter_mut().zip(few) {
+            for axis in 0..D {
+                place[axis] = (look.position[axis] - self.shift[axis]) as f32;
+            }
+        }
+        places
     }
 }
 
-/// Keeps those of the particles found that may have pairs with particles behind walls.
-fn keep<const D: usize, M: Matter>(frame: &StepConstants<'_, D, M>, desk: &mut Desk<D>, first: usize) {
-    let mut kept = first;
-    for k in first..desk.filled {
-        let j = desk.partners[k];
-        desk.partners[kept] = j;
+/// Puts what is noted of some particles down on the desk, and clears it.
+#[inline(always)]
+fn put_all<const D: usize, M: Matter, S: Kind>(
+    frame: &StepConstants<'_, D, M>,
+    desk: &mut Desk<D>,
+    few: std::ops::Range<usize>,
+    side: &Side<D>,
+    own: &mut [Particle<D>],
+    next: &mut [Particle<D>],
+) {
+    for (l, i) in few.enumerate() {
+        if desk.filled > AT_ONCE {
+            finish::<D, M, S>(frame, desk, own, next);
+        }
+        put::<D, M, S>(frame, desk, l, i, side);
+    }
+    desk.notes.counts = [0; TOGETHER];
+}
+
+/// Keeps those of the particles noted that may have pairs with particles behind walls.
+fn keep<const D: usize, M: Matter>(frame: &StepConstants<'_, D, M>, notes: &mut Notes, l: usize) {
+    let (numbers, count) = (&mut notes.numbers[l], &mut notes.counts[l]);
+    let mut kept = 0;
+    for k in 0..*count {
+        let j = numbers[k];
+        numbers[kept] = j;
         kept += usize::from(!frame.is_behind_walls(frame.looks[j as usize].name));
     }
-    desk.filled = kept;
+    *count = kept;
 }
 
-/// Puts the particles found, from one on, down on the desk as partners of one.
+/// Puts the particles noted down on the desk as partners of one.
 #[inline(always)]
 fn put<const D: usize, M: Matter, S: Kind>(
     frame: &StepConstants<'_, D, M>,
     desk: &mut Desk<D>,
-    first: usize,
-    me: &Look<D, M::Seen>,
-    seen: &Seen<D>,
+    l: usize,
+    i: usize,
+    side: &Side<D>,
 ) {
+    let me = &frame.looks[i];
     if frame.is_behind_walls(me.name) {
-        keep(frame, desk, first);
+        keep(frame, &mut desk.notes, l);
     }
-    let Desk { pairs, partners, rows, row_count, filled, .. } = desk;
-    let last = (*filled).min(ROOM);
+    let Desk { pairs, partners, rows, row_count, filled, notes, .. } = desk;
+    let (first, last) = (*filled, (*filled + notes.counts[l]).min(ROOM));
     if first >= last {
         return;
     }
-    let me_at = Sight::<D, S::Quad>::of(me, &seen.place);
-    // The last four may go beyond the row, where numbers of particles found before stand; the next row is written over them.
-    for k in (first..last).step_by(4) {
-        gather_four(frame.looks, &me_at, k, partners, pairs);
+    let mut place = me.position;
+    for axis in 0..D {
+        place[axis] -= side.shift[axis];
+    }
+    let sight = Sight::<D, S::Quad>::of(me, &place);
+    // The last four may go beyond the row, where numbers of particles noted before stand; the next row is written over them.
+    for (noted, k) in notes.numbers[l].as_chunks().0.iter().zip((first..last).step_by(4)) {
+        *four_mut(partners, k) = *noted;
+        gather_four(frame.looks, &sight, k, noted, pairs);
     }
     if M::UNEVEN {
-        let shut = frame.shut.is_some_and(|axis| seen.shift[axis] != 0.0);
+        let shut = frame.shut.is_some_and(|axis| side.shift[axis] != 0.0);
         for k in first..last {
             let other = &frame.looks[partners[k] as usize];
             let conduction = frame.matter.between([(me.seen, me.temperature), (other.seen, other.temperature)]);
@@ -252,8 +282,9 @@ fn put<const D: usize, M: Matter, S: Kind>(
             pairs.conductions[k] = (closeness * conduction) as f32;
         }
     }
-    rows[*row_count] = PartnerRow { particle: seen.particle, first, last, beyond: seen.beyond, base: seen.base };
+    rows[*row_count] = PartnerRow { particle: i - side.begin, first, last, beyond: side.beyond, base: side.base };
     *row_count += 1;
+    *filled = last;
 }
 
 /// A particle, four times, as its partners are compared with it.
@@ -284,12 +315,12 @@ fn gather_four<const D: usize, S, Q: Quad>(
     looks: &[Look<D, S>],
     me: &Sight<D, Q>,
     k: usize,
-    partners: &FoundPartners,
+    partners: &[u32; 4],
     pairs: &mut PairColumns<D>,
 ) {
     let (mut columns, mut singles) = ([Q::splat(0.0); 4], [Q::single_splat(0.0); 4]);
     for l in 0..4 {
-        let other = &looks[partners[k + l] as usize];
+        let other = &looks[partners[l] as usize];
         columns[l] = Q::load(other.wide());
         singles[l] = Q::single_load(other.single());
     }
@@ -301,7 +332,7 @@ fn gather_four<const D: usize, S, Q: Quad>(
     let [temperature, half_exponent, mobility, name] = Q::single_turned(singles);
     Q::single_store(me.singles[0], four_mut(&mut pairs.temperatures[0], k));
     Q::single_store(temperature, four_mut(&mut pairs.temperatures[1], k));
-    Q::single_store(Q::single_plus(me.singles[1], half_exponent), four_mut(&mut pairs.exponents, k));
+    Q::single_store(Q::single_plus(me.singles[1], half_exponent), four_mut(&mut pairs.weights, k));
     Q::single_store(Q::single_plus(me.singles[2], mobility), four_mut(&mut pairs.mobilities, k));
     Q::single_store(me.singles[3], four_mut(&mut pairs.names[0], k));
     Q::single_store(name, four_mut(&mut pairs.names[1], k));

@@ -1,9 +1,8 @@
-//! Which of some places, one after the other in memory, are near another: sixteen at once, in single precision.
+//! Which of some places, one after the other in memory, are near each of a few others: sixteen at once, in single precision.
 //!
 //! Places are told apart up to an error that grows with the box, by which the reach is taken larger ([`widened`]): no pair
 //! within reach is missed, and the few that are farther apart act with a weight of zero.
 
-use super::coefficients::ROOM;
 use super::quad::Quad;
 #[cfg(target_arch = "x86_64")]
 use super::quad::Wide;
@@ -11,11 +10,40 @@ use super::quad::Wide;
 /// Places that are looked at at once.
 pub const LANES: usize = 16;
 
-/// Most places that are looked at at a time.
-pub const MOST: usize = 256;
+/// Places that are looked through at a time.
+pub const MOST: usize = 128;
 
-/// Numbers of those found, with room for the lanes of the last ones.
-pub type FoundPartners = [u32; ROOM + LANES];
+/// Particles for which places are looked through together.
+pub const TOGETHER: usize = 4;
+
+/// Numbers that are noted of a particle before they are taken down, at most.
+pub const NOTED: usize = 2 * MOST;
+
+/// Which places are near each of a few particles.
+#[derive(Debug, Clone)]
+pub struct Notes {
+    /// Their numbers, with room for the lanes of the last ones.
+    pub numbers: [[u32; NOTED + LANES]; TOGETHER],
+    /// How many they are.
+    pub counts: [usize; TOGETHER],
+}
+
+impl Default for Notes {
+    fn default() -> Self {
+        Notes { numbers: [[0; NOTED + LANES]; TOGETHER], counts: [0; TOGETHER] }
+    }
+}
+
+/// Places from one number to another, which are looked through; each particle's own first ones are passed over.
+#[derive(Debug, Clone, Copy)]
+pub struct Stretch {
+    /// The first of them.
+    pub from: usize,
+    /// After the last.
+    pub to: usize,
+    /// How many more of the first ones each particle passes over than the one before it: none or one.
+    pub steps: usize,
+}
 
 /// Square of a reach, in single precision, that takes in all pairs within reach in a box of a longest side.
 pub fn widened(reach: f64, longest: f64) -> f32 {
@@ -29,17 +57,15 @@ pub trait Kind {
     /// Four numbers at once.
     type Quad: Quad;
 
-    /// Notes which of the places from one number to another are nearer to a place than the root of `square`, after those
-    /// noted before; returns how many are noted then. Columns of places must be [`LANES`] longer than what is looked through,
-    /// and there must be room for all.
+    /// Notes which of the places of a stretch are nearer to each of some places than the root of `square`; none, where the first
+    /// number of such a place is none. Columns must be [`LANES`] longer than what is looked through, and there must be room for all.
     fn near<const D: usize>(
         columns: &[&[f32]; D],
-        place: &[f32; D],
-        range: (usize, usize),
+        places: &[[f32; D]; TOGETHER],
+        stretch: Stretch,
         square: f32,
-        count: usize,
-        found: &mut FoundPartners,
-    ) -> usize;
+        notes: &mut Notes,
+    );
 }
 
 /// Places that are told apart at once where there is no instruction that packs the near ones together.
@@ -73,35 +99,37 @@ impl Kind for Portable {
     #[inline(always)]
     fn near<const D: usize>(
         columns: &[&[f32]; D],
-        place: &[f32; D],
-        (from, to): (usize, usize),
+        places: &[[f32; D]; TOGETHER],
+        Stretch { from, to, steps }: Stretch,
         square: f32,
-        mut count: usize,
-        found: &mut FoundPartners,
-    ) -> usize {
-        let whole = to.saturating_sub(from).next_multiple_of(GROUP);
-        let groups: [&[[f32; GROUP]]; D] = columns.map(|column| column[from..from + whole].as_chunks().0);
-        for group in 0..whole / GROUP {
-            let mut squares = [0.0; GROUP];
-            for axis in 0..D {
-                for lane in 0..GROUP {
-                    let way = place[axis] - groups[axis][group][lane];
-                    squares[lane] += way * way;
+        notes: &mut Notes,
+    ) {
+        for (l, place) in places.iter().enumerate().filter(|(_, place)| !place[0].is_nan()) {
+            let from = from + l * steps;
+            let (found, count) = (&mut notes.numbers[l], &mut notes.counts[l]);
+            let whole = to.saturating_sub(from).next_multiple_of(GROUP);
+            let groups: [&[[f32; GROUP]]; D] = columns.map(|column| column[from..from + whole].as_chunks().0);
+            for group in 0..whole / GROUP {
+                let mut squares = [0.0; GROUP];
+                for axis in 0..D {
+                    for lane in 0..GROUP {
+                        let way = place[axis] - groups[axis][group][lane];
+                        squares[lane] += way * way;
+                    }
                 }
-            }
-            let at = from + group * GROUP;
-            let near = below(&squares, square) & (0xff >> (at + GROUP).saturating_sub(to));
-            // Whether a place is near cannot be guessed: all of the group are written, and what is beyond the near ones is
-            // written over by the next.
-            let lanes = &PACKED[near];
-            if let Some(noted) = found[count..].first_chunk_mut::<GROUP>() {
-                for lane in 0..GROUP {
-                    noted[lane] = at as u32 + u32::from(lanes[lane]);
+                let at = from + group * GROUP;
+                let near = below(&squares, square) & (0xff >> (at + GROUP).saturating_sub(to));
+                // Whether a place is near cannot be guessed: all of the group are written, and what is beyond the near ones is
+                // written over by the next.
+                let lanes = &PACKED[near];
+                if let Some(noted) = found[*count..].first_chunk_mut::<GROUP>() {
+                    for lane in 0..GROUP {
+                        noted[lane] = at as u32 + u32::from(lanes[lane]);
+                    }
                 }
+                *count += near.count_ones() as usize;
             }
-            count += near.count_ones() as usize;
         }
-        count
     }
 }
 
@@ -123,41 +151,42 @@ impl Kind for Avx2 {
     #[inline(always)]
     fn near<const D: usize>(
         columns: &[&[f32]; D],
-        place: &[f32; D],
-        (from, to): (usize, usize),
+        places: &[[f32; D]; TOGETHER],
+        Stretch { from, to, steps }: Stretch,
         square: f32,
-        mut count: usize,
-        found: &mut FoundPartners,
-    ) -> usize {
+        notes: &mut Notes,
+    ) {
         use std::arch::x86_64::{
             _CMP_LT_OQ, _mm_loadl_epi64, _mm256_add_epi32, _mm256_add_ps, _mm256_cmp_ps, _mm256_cvtepu8_epi32,
             _mm256_loadu_ps, _mm256_movemask_ps, _mm256_mul_ps, _mm256_set1_epi32, _mm256_set1_ps, _mm256_setzero_ps,
             _mm256_storeu_si256, _mm256_sub_ps,
         };
-        assert!(columns.iter().all(|column| column.len() >= to + LANES) && count + to.saturating_sub(from) <= ROOM);
+        assert!(is_roomy(columns, &notes.counts, from, to));
         // SAFETY: the processor has these instructions (see the type). Places are read from `from` up to less than
-        // `to + GROUP`, within the columns; numbers are written up to `count + GROUP`, and `count` stays within `ROOM`.
+        // `to + GROUP`, within the columns; numbers are written up to `count + GROUP`, and `count` stays within `NOTED`.
         unsafe {
             let square = _mm256_set1_ps(square);
-            let place = place.map(|along| _mm256_set1_ps(along));
-            let mut at = from;
-            while at < to {
-                let mut squares = _mm256_setzero_ps();
-                for axis in 0..D {
-                    let way = _mm256_sub_ps(place[axis], _mm256_loadu_ps(columns[axis].as_ptr().add(at)));
-                    let along = _mm256_mul_ps(way, way);
-                    squares = if axis == 0 { along } else { _mm256_add_ps(squares, along) };
+            for l in (0..TOGETHER).filter(|l| !places[*l][0].is_nan()) {
+                let place = places[l].map(|along| _mm256_set1_ps(along));
+                let (mut at, mut count) = (from + l * steps, notes.counts[l]);
+                while at < to {
+                    let mut squares = _mm256_setzero_ps();
+                    for axis in 0..D {
+                        let way = _mm256_sub_ps(place[axis], _mm256_loadu_ps(columns[axis].as_ptr().add(at)));
+                        let along = _mm256_mul_ps(way, way);
+                        squares = if axis == 0 { along } else { _mm256_add_ps(squares, along) };
+                    }
+                    let near = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(squares, square)) as usize;
+                    let near = near & (0xff >> (at + GROUP).saturating_sub(to));
+                    let lanes = _mm256_cvtepu8_epi32(_mm_loadl_epi64(PACKED[near].as_ptr().cast()));
+                    let numbers = _mm256_add_epi32(lanes, _mm256_set1_epi32(at as i32));
+                    _mm256_storeu_si256(notes.numbers[l].as_mut_ptr().add(count).cast(), numbers);
+                    count += near.count_ones() as usize;
+                    at += GROUP;
                 }
-                let near = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(squares, square)) as usize;
-                let near = near & (0xff >> (at + GROUP).saturating_sub(to));
-                let lanes = _mm256_cvtepu8_epi32(_mm_loadl_epi64(PACKED[near].as_ptr().cast()));
-                let numbers = _mm256_add_epi32(lanes, _mm256_set1_epi32(at as i32));
-                _mm256_storeu_si256(found.as_mut_ptr().add(count).cast(), numbers);
-                count += near.count_ones() as usize;
-                at += GROUP;
+                notes.counts[l] = count;
             }
         }
-        count
     }
 }
 
@@ -173,43 +202,68 @@ impl Kind for Avx512 {
     #[inline(always)]
     fn near<const D: usize>(
         columns: &[&[f32]; D],
-        place: &[f32; D],
-        (from, to): (usize, usize),
+        places: &[[f32; D]; TOGETHER],
+        Stretch { from, to, steps }: Stretch,
         square: f32,
-        mut count: usize,
-        found: &mut FoundPartners,
-    ) -> usize {
+        notes: &mut Notes,
+    ) {
         use std::arch::x86_64::{
-            _CMP_LT_OQ, _mm512_add_epi32, _mm512_add_ps, _mm512_cmp_ps_mask, _mm512_loadu_ps,
+            _CMP_LT_OQ, _mm512_add_epi32, _mm512_add_ps, _mm512_loadu_ps, _mm512_mask_cmp_ps_mask,
             _mm512_maskz_compress_epi32, _mm512_mul_ps, _mm512_set1_epi32, _mm512_set1_ps, _mm512_setr_epi32,
             _mm512_setzero_ps, _mm512_storeu_si512, _mm512_sub_ps,
         };
-        assert!(columns.iter().all(|column| column.len() >= to + LANES) && count + to.saturating_sub(from) <= ROOM);
+        assert!(is_roomy(columns, &notes.counts, from, to));
         // SAFETY: the processor has these instructions (see the type). Places are read from `from` up to less than
-        // `to + LANES`, within the columns; numbers are written up to `count + LANES`, and `count` stays within `ROOM`.
+        // `to + LANES`, within the columns; numbers are written up to `count + LANES`, and `count` stays within `NOTED`.
         unsafe {
-            let steps = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-            let mut numbers = _mm512_add_epi32(steps, _mm512_set1_epi32(from as i32));
+            let lanes = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+            let mut numbers = _mm512_add_epi32(lanes, _mm512_set1_epi32(from as i32));
             let square = _mm512_set1_ps(square);
-            let place = place.map(|along| _mm512_set1_ps(along));
+            let mut wide = [[square; D]; TOGETHER];
+            for l in 0..TOGETHER {
+                for axis in 0..D {
+                    wide[l][axis] = _mm512_set1_ps(places[l][axis]);
+                }
+            }
+            let mut counts = notes.counts;
+            let mut passed = [0; TOGETHER];
+            for l in 0..TOGETHER {
+                passed[l] = u16::MAX << (l * steps);
+            }
             let mut at = from;
             while at < to {
-                let mut squares = _mm512_setzero_ps();
+                let inside = ((1u32 << (to - at).min(LANES)) - 1) as u16;
+                let mut column = [square; D];
                 for axis in 0..D {
-                    let way = _mm512_sub_ps(place[axis], _mm512_loadu_ps(columns[axis].as_ptr().add(at)));
-                    squares = _mm512_add_ps(squares, _mm512_mul_ps(way, way));
+                    column[axis] = _mm512_loadu_ps(columns[axis].as_ptr().add(at));
                 }
-                let near = _mm512_cmp_ps_mask::<_CMP_LT_OQ>(squares, square);
-                let near = near & ((1u32 << (to - at).min(LANES)) - 1) as u16;
-                let chosen = _mm512_maskz_compress_epi32(near, numbers);
-                _mm512_storeu_si512(found.as_mut_ptr().add(count).cast(), chosen);
-                count += near.count_ones() as usize;
+                for l in 0..TOGETHER {
+                    let mut squares = _mm512_setzero_ps();
+                    for axis in 0..D {
+                        let way = _mm512_sub_ps(wide[l][axis], column[axis]);
+                        let along = _mm512_mul_ps(way, way);
+                        squares = if axis == 0 { along } else { _mm512_add_ps(squares, along) };
+                    }
+                    let near = _mm512_mask_cmp_ps_mask::<_CMP_LT_OQ>(inside & passed[l], squares, square);
+                    let chosen = _mm512_maskz_compress_epi32(near, numbers);
+                    _mm512_storeu_si512(notes.numbers[l].as_mut_ptr().add(counts[l]).cast(), chosen);
+                    counts[l] += near.count_ones() as usize;
+                }
                 numbers = _mm512_add_epi32(numbers, _mm512_set1_epi32(LANES as i32));
                 at += LANES;
+                passed = [u16::MAX; TOGETHER];
             }
+            notes.counts = counts;
         }
-        count
     }
+}
+
+/// Whether columns are long enough for what is looked through, and there is room to note all of it.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+fn is_roomy<const D: usize>(columns: &[&[f32]; D], counts: &[usize; TOGETHER], from: usize, to: usize) -> bool {
+    columns.iter().all(|column| column.len() >= to + LANES)
+        && counts.iter().all(|count| count + to.saturating_sub(from) <= NOTED)
 }
 
 #[cfg(test)]
@@ -223,14 +277,14 @@ mod tests {
     /// What `S` notes.
     fn noted<S: Kind>(
         columns: &[&[f32]; 2],
-        place: &[f32; 2],
-        range: (usize, usize),
+        places: &[[f32; 2]; TOGETHER],
+        stretch: Stretch,
         square: f32,
-        count: usize,
-    ) -> Vec<u32> {
-        let mut found = [0; ROOM + LANES];
-        let end = S::near(columns, place, range, square, count, &mut found);
-        found[count..end].to_vec()
+        counts: [usize; TOGETHER],
+    ) -> [Vec<u32>; TOGETHER] {
+        let mut notes = Notes { counts, ..Notes::default() };
+        S::near(columns, places, stretch, square, &mut notes);
+        std::array::from_fn(|l| notes.numbers[l][counts[l]..notes.counts[l]].to_vec())
     }
 
     proptest! {
@@ -239,26 +293,32 @@ mod tests {
             x in prop::collection::vec(-2.0_f32..2.0, 1..=MOST),
             seed in 0_u32..1000,
             from in any::<prop::sample::Index>(),
+            steps in 0_usize..=1,
             square in prop_oneof![0.0_f32..9.0, Just(f32::NAN), Just(f32::INFINITY)],
-            count in 0..=ROOM - MOST,
+            counts in prop::array::uniform4(0..=NOTED - MOST),
         ) {
             let length = x.len();
             let y: Vec<f32> = (0..length).map(|k| ((k as u32 * 7919 + seed) % 997) as f32 / 300.0 - 1.6).collect();
             let padded = |column: &[f32]| [column, &[0.0; LANES]].concat();
             let (x, y) = (padded(&x), padded(&y));
-            let (columns, range) = ([x.as_slice(), y.as_slice()], (from.index(length), length));
-            let place = [x[seed as usize % length], y[from.index(length)]];
-            let plain = noted::<Portable>(&columns, &place, range, square, count);
-            let near = |k: &u32| (range.0..range.1).contains(&(*k as usize));
-            prop_assert!(plain.iter().all(near) && plain.is_sorted());
+            let (columns, stretch) = ([x.as_slice(), y.as_slice()], Stretch { from: from.index(length), to: length, steps });
+            let places = std::array::from_fn(|l| [x[(seed as usize + l) % length], y[from.index(length)]]);
+            let plain = noted::<Portable>(&columns, &places, stretch, square, counts);
+            for (l, plain) in plain.iter().enumerate() {
+                let expected = (stretch.from + l * steps..length).filter(|k| {
+                    let way = [places[l][0] - x[*k], places[l][1] - y[*k]];
+                    way[0] * way[0] + way[1] * way[1] < square
+                });
+                prop_assert_eq!(plain, &expected.map(|k| k as u32).collect::<Vec<_>>());
+            }
             #[cfg(target_arch = "x86_64")]
             {
                 let widest = InstructionSet::widest();
                 if widest >= InstructionSet::Avx2 {
-                    prop_assert_eq!(&plain, &noted::<Avx2>(&columns, &place, range, square, count));
+                    prop_assert_eq!(&plain, &noted::<Avx2>(&columns, &places, stretch, square, counts));
                 }
                 if widest >= InstructionSet::Avx512 {
-                    prop_assert_eq!(&plain, &noted::<Avx512>(&columns, &place, range, square, count));
+                    prop_assert_eq!(&plain, &noted::<Avx512>(&columns, &places, stretch, square, counts));
                 }
             }
         }

@@ -1,4 +1,5 @@
-//! Steps of moving eDPD particles: particles and pairs by second, in the plane and in space, by threads.
+//! Steps of moving eDPD particles: particles and pairs by second, in the plane and in space, by threads, and by
+//! the vectors of AVX2 where there are wider ones.
 
 #![allow(clippy::print_stdout)]
 
@@ -7,6 +8,7 @@ use std::time::Instant;
 
 use cpu_time::ThreadTime;
 
+use frazil_core::instruction_set::{InstructionSet, limit};
 use frazil_edpd::fluid::{Exponent, Fluid, Parameters, Undriven};
 
 /// Cut-off radius, friction and exponent at which others' codes were timed (Li et al. 2014 for water at 300 K).
@@ -59,5 +61,10 @@ fn main() {
     for threads in [1, 2] {
         time("plane", [109.5, 109.6], threads);
         time("space", [29.2, 29.2, 29.3], threads);
+    }
+    if InstructionSet::widest() == InstructionSet::Avx512 {
+        limit(InstructionSet::Avx2);
+        time("plane, avx2", [109.5, 109.6], 1);
+        time("space, avx2", [29.2, 29.2, 29.3], 1);
     }
 }

@@ -5,8 +5,8 @@
 //! is computed from the rounded friction, so that they balance. Displacements are not divided by distances, which would have to
 //! be as exact as the energy balance: impulses are given over the distance and multiplied by its square.
 //!
-//! Loops are short, so that several vectors are on their way at once, and read and write numbers of one width, so that a compiler
-//! knows that columns do not overlap and takes the widest vectors.
+//! Loops are short, so that several vectors are on their way at once. All but the one that rounds read and write numbers of one
+//! width: so a compiler knows that columns do not overlap, and takes the widest vectors.
 
 use frazil_core::noise::StepNoise;
 

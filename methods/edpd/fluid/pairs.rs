@@ -75,6 +75,7 @@ pub struct Desk<const D: usize> {
     pub potential: f64,
     /// Pairs within reach, and a few in a million beyond.
     pub met: u64,
+    /// What is noted of the particles whose partners are searched for; nothing between two cells.
     notes: Notes,
 }
 
@@ -196,7 +197,7 @@ struct Side<const D: usize> {
 }
 
 impl<const D: usize> Side<D> {
-    /// Where they see some particles; beyond reach, where there are fewer.
+    /// Where they see some particles; no numbers, where there are fewer.
     #[inline(always)]
     fn seen<S>(&self, few: &[Look<D, S>]) -> [[f32; D]; TOGETHER] {
         let mut places = [[f32::NAN; D]; TOGETHER];

@@ -296,13 +296,17 @@ mod tests {
             steps in 0_usize..=1,
             square in prop_oneof![0.0_f32..9.0, Just(f32::NAN), Just(f32::INFINITY)],
             counts in prop::array::uniform4(0..=NOTED - MOST),
+            few in 1..=TOGETHER,
         ) {
             let length = x.len();
             let y: Vec<f32> = (0..length).map(|k| ((k as u32 * 7919 + seed) % 997) as f32 / 300.0 - 1.6).collect();
             let padded = |column: &[f32]| [column, &[0.0; LANES]].concat();
             let (x, y) = (padded(&x), padded(&y));
             let (columns, stretch) = ([x.as_slice(), y.as_slice()], Stretch { from: from.index(length), to: length, steps });
-            let places = std::array::from_fn(|l| [x[(seed as usize + l) % length], y[from.index(length)]]);
+            let mut places = [[f32::NAN; 2]; TOGETHER];
+            for (l, place) in places[..few].iter_mut().enumerate() {
+                *place = [x[(seed as usize + l) % length], y[from.index(length)]];
+            }
             let plain = noted::<Portable>(&columns, &places, stretch, square, counts);
             for (l, plain) in plain.iter().enumerate() {
                 let expected = (stretch.from + l * steps..length).filter(|k| {

@@ -134,25 +134,33 @@ impl Particles {
     /// What is read off at the place of a particle: of water its effective saturation, of heat its temperature, or, where the
     /// front in its cell is known, that beside the front.
     pub fn reading(&self, index: usize) -> f64 {
+        self.reading_by(index, || self.front_fraction(index))
+    }
+
+    /// The same by what [`Particles::front_fraction`] tells of the particle, which is asked for where there may be a front.
+    #[inline]
+    pub fn reading_by(&self, index: usize, front_fraction: impl FnOnce() -> f64) -> f64 {
         if self.materials.of(index).curve.moisture().is_some() {
             return 1.0 - self.frozen_fraction(index);
         }
         if !self.sub_cell || !self.materials.of(index).curve.is_sharp() {
             return self.temperature(index);
         }
-        let by_heat = self.frozen_fraction(index);
-        if by_heat <= 0.0 || by_heat >= 1.0 {
+        // A particle that has just given off its latent heat is at the freezing point, though most of its cell is colder.
+        let fraction = front_fraction();
+        let has_front =
+            [fraction, self.frozen_fraction(index)].iter().any(|fraction| *fraction > 0.0 && *fraction < 1.0);
+        if !has_front {
             return self.temperature(index);
         }
-        let fraction = self.front_fraction(index);
         let freezing = self.materials.of(index).curve.freezing_point();
         freezing + at_the_centre(&self.lattice, index, fraction, |other| self.temperature(other) - freezing)
     }
 
     /// Temperature of what is frozen of a particle: where the front passes through it, its place may lie in what is not.
     #[inline]
-    pub fn frozen_reading(&self, index: usize) -> f64 {
-        self.reading(index).min(self.materials.of(index).curve.freezing_point())
+    pub fn frozen_reading(&self, index: usize, front_fraction: impl FnOnce() -> f64) -> f64 {
+        self.reading_by(index, front_fraction).min(self.materials.of(index).curve.freezing_point())
     }
 
     /// Whether ground at a distance (m) from the centre was dug out.

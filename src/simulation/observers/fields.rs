@@ -69,11 +69,12 @@ fn field(particles: &Particles, time_s: f64, radius: f64) -> Field {
         let cell = ((place - least) / spacing).floor();
         if cell.x >= 0.0 && cell.y >= 0.0 && (cell.x as usize) < nx && (cell.y as usize) < ny {
             let sum = &mut sums[cell.y as usize * nx + cell.x as usize];
+            let fraction = particles.front_fraction(i);
             // What was dug out has no temperature, and is not frozen.
             if !particles.is_gone(i) {
-                (sum.0, sum.1) = (sum.0 + particles.reading(i), sum.1 + 1);
+                (sum.0, sum.1) = (sum.0 + particles.reading_by(i, || fraction), sum.1 + 1);
             }
-            (sum.2, sum.3) = (sum.2 + particles.front_fraction(i), sum.3 + 1);
+            (sum.2, sum.3) = (sum.2 + fraction, sum.3 + 1);
         }
     });
     let mean = |sum: f64, count: usize| if count > 0 { sum / count as f64 } else { f64::NAN };

@@ -127,7 +127,7 @@ impl Observer for Isotherms {
                 self.temperatures.iter().map(of).collect::<Vec<_>>()
             }
             Body::Plane(field, boundary) => {
-                field.read(view.particles, |i| view.particles.reading(i));
+                field.read(view.particles, |i| view.particles.reading_by(i, || view.fractions()[i]));
                 let coldest = boundary.coldest(view.time);
                 let of = |isotherm: &f64| {
                     let mut distance = Distance::NONE;

@@ -149,7 +149,8 @@ impl PassageFinder {
     fn mean(&self, particles: &Particles, cells: impl Iterator<Item = usize>) -> Option<f64> {
         let (mut sum, mut weight) = (0.0, 0.0);
         for at in cells {
-            sum += self.cells.share[at] * particles.frozen_reading(self.particle[at] as usize);
+            let particle = self.particle[at] as usize;
+            sum += self.cells.share[at] * particles.frozen_reading(particle, || particles.front_fraction(particle));
             weight += self.cells.share[at];
         }
         (weight > 0.0).then(|| sum / weight)

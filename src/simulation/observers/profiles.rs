@@ -149,8 +149,9 @@ pub(super) fn layers(
         let layer = (((along - first) / spacing) as usize).min(count - 1);
         let sum = &mut sums[layer];
         let concentration = particles.concentration.get(i).copied().unwrap_or(0.0);
-        let read = (particles.reading(i), particles.front_fraction(i));
-        *sum = (sum.0 + along, sum.1 + read.0, sum.2 + read.1, sum.3 + 1, sum.4 + concentration);
+        let fraction = particles.front_fraction(i);
+        let temperature = particles.reading_by(i, || fraction);
+        *sum = (sum.0 + along, sum.1 + temperature, sum.2 + fraction, sum.3 + 1, sum.4 + concentration);
     });
     let plane = (dimension > 1).then_some(if direction.along_y { MeanOver::X } else { MeanOver::Y });
     let direction = *direction;

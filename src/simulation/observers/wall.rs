@@ -220,7 +220,8 @@ impl Wall {
             let ends = ends(&ray.radii, &fraction).and_then(|ends| narrowed(ends, excess));
             let ends = ends.map(|(inner, outer)| (inner.max(face), outer));
             let mean_temperature = |ends: (f64, f64)| {
-                let temperature = ray.samples.iter().map(|sample| sample.of(|i| particles.reading(i)));
+                let temperature =
+                    ray.samples.iter().map(|sample| sample.of(|i| particles.reading_by(i, || fractions[i])));
                 let (radii, mut temperature) = refined(&ray.radii, &temperature.collect::<Vec<_>>());
                 pipes.iter().for_each(|ring| ring.sharpen(ray.direction, &radii, &mut temperature));
                 mean(&radii, &temperature, ends)
@@ -240,7 +241,7 @@ impl Wall {
         let frozen = view.frozen() - area;
         let weight = |i: usize| match fractions[i] {
             0.0 => 0.0,
-            fraction => fraction * particles.frozen_reading(i),
+            fraction => fraction * particles.frozen_reading(i, || fraction),
         };
         let weighted = particles.integral_where(fractions, weight) - excess;
         let mean_temperature_c = (frozen > 0.0).then(|| weighted / frozen);

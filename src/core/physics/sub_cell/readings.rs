@@ -8,23 +8,23 @@ use crate::space::lattice::Lattice;
 /// Neighbours along both axes, on either side.
 const AXES: [[(i64, i64); 2]; 2] = [[(-1, 0), (1, 0)], [(0, -1), (0, 1)]];
 
-/// Temperature at the centre of a freezing particle, less that of freezing: on the line from the front in its cell to the
-/// neighbours in the phase in which the centre is. `temperature` tells that of a particle, less that of freezing.
+/// Temperature at the centre of a cell with a front in it, less that of freezing: on the line from the front to the neighbour in the
+/// phase in which the centre is, along the axis along which it lies farthest behind the front. `temperature` tells that of a
+/// particle, less that of freezing. Between two fronts that move toward each other, of which neither has passed the centre, it is none.
 pub fn at_the_centre(lattice: &Lattice, index: usize, fraction: f64, temperature: impl Fn(usize) -> f64) -> f64 {
     let (column, row) = lattice.cell(index);
-    let frozen_side = fraction > 0.5;
-    let depth = (fraction - 0.5).abs();
-    let (mut sum, mut count) = (0.0, 0.0);
-    for (dx, dy) in [(1, 0), (-1, 0), (0, 1), (0, -1)].into_iter().take(2 * lattice.dimension) {
-        if let Some(other) = lattice.index(column + dx, row + dy) {
-            let above = temperature(other);
-            if above != 0.0 && (above < 0.0) == frozen_side {
-                sum += above * depth / (depth + 1.0);
-                count += 1.0;
-            }
-        }
-    }
-    if count > 0.0 { sum / count } else { 0.0 }
+    let (share, sign) = if fraction > 0.5 { (fraction, -1.0) } else { (1.0 - fraction, 1.0) };
+    let own = sign * temperature(index);
+    let along = |axis: [(i64, i64); 2]| {
+        let neighbours = axis.map(|(dx, dy)| lattice.index(column + dx, row + dy));
+        let around = neighbours.map(|other| other.map_or(0.0, |other| sign * temperature(other)));
+        let shares = shares_of_fronts(around, own, share);
+        let behind = |side: usize| (shares[side] - 0.5).max(0.0);
+        let of_one = |side: usize| around[side] * behind(side) / (behind(side) + 1.0);
+        of_one(0).max(of_one(1))
+    };
+    let [across, upwards] = AXES.map(along);
+    sign * across.max(upwards)
 }
 
 /// Frozen fraction of a cell by where the front in it lies: the heat that the cell lacks is not all latent. What is frozen of
@@ -101,24 +101,24 @@ fn those_set(flags: &[bool]) -> impl Iterator<Item = usize> {
 }
 
 /// Sensible heat of the share of a cell that is in one phase, by that of the neighbours in this phase and of the particle itself, all
-/// in units of the latent heat, and negative in the other phase. The front lies across one axis. Of two neighbours in this phase
-/// each has a front before it, by how much farther than the particle it is from freezing.
+/// in units of the latent heat, and negative in the other phase. The front lies across one axis.
 fn sensible(around: [[f64; 2]; 2], own: f64, share: f64) -> f64 {
-    let along = |[one, other]: [f64; 2]| {
-        let beyond = |neighbour: f64| (neighbour - own.max(0.0)).max(0.0);
-        let both = beyond(one) + beyond(other);
-        let of_one = |neighbour: f64| {
-            if both > 0.0 {
-                let depth = share * beyond(neighbour) / both;
-                neighbour * 0.5 * depth * depth / (0.5 + depth)
-            } else {
-                0.0
-            }
-        };
-        of_one(one) + of_one(other)
+    let along = |axis: [f64; 2]| {
+        let shares = shares_of_fronts(axis, own, share);
+        let of_one = |side: usize| axis[side] * 0.5 * shares[side] * shares[side] / (0.5 + shares[side]);
+        of_one(0) + of_one(1)
     };
     let [across, upwards] = around.map(along);
     across.max(upwards)
+}
+
+/// Parts of the share of a cell that is in one phase, by the neighbours on an axis before which they lie: of two in this phase each has
+/// a front before it, by how much farther than the particle it is from freezing. What is told of neighbours and of the particle
+/// itself is negative in the other phase.
+fn shares_of_fronts(around: [f64; 2], own: f64, share: f64) -> [f64; 2] {
+    let beyond = around.map(|neighbour| (neighbour - own.max(0.0)).max(0.0));
+    let both = beyond[0] + beyond[1];
+    if both > 0.0 { beyond.map(|beyond| share * beyond / both) } else { [0.0; 2] }
 }
 
 #[cfg(test)]

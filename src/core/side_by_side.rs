@@ -53,27 +53,53 @@ impl MinMax {
 
 widest!(extremes_widely, extremes_of, (values: &[f64], all: &mut MinMax));
 
+/// Numbers of which extremes are taken side by side: two vectors, which hide each other's latency.
+const ABREAST: usize = 2 * LANES;
+
 #[inline(always)]
 fn extremes_of(values: &[f64], all: &mut MinMax) {
-    let (groups, rest) = values.as_chunks::<LANES>();
+    let (groups, rest) = values.as_chunks::<ABREAST>();
     // Zero times what is not finite is no number, and stays so.
-    let (mut least, mut greatest, mut zeros) = ([all.least; LANES], [all.greatest; LANES], [0.0; LANES]);
+    let (mut least, mut greatest, mut zeros) = ([all.least; ABREAST], [all.greatest; ABREAST], [0.0; ABREAST]);
     for group in groups {
-        for lane in 0..LANES {
-            least[lane] = least[lane].min(group[lane]);
-            greatest[lane] = greatest[lane].max(group[lane]);
-            zeros[lane] += 0.0 * group[lane];
+        take_extremes(group, &mut least, &mut greatest, &mut zeros);
+    }
+    match values.last_chunk::<ABREAST>() {
+        // What is left over of whole groups as the last that is whole, over some of the one before.
+        Some(last) => take_extremes(last, &mut least, &mut greatest, &mut zeros),
+        None => {
+            for value in rest {
+                take_extremes(&[*value; ABREAST], &mut least, &mut greatest, &mut zeros);
+            }
         }
     }
-    for lane in 0..LANES {
-        all.least = all.least.min(least[lane]);
-        all.greatest = all.greatest.max(greatest[lane]);
-        all.are_finite &= zeros[lane] == 0.0;
+    // By halves, as vectors do it.
+    let mut half = ABREAST / 2;
+    while half > 0 {
+        for lane in 0..half {
+            let (other_least, other_greatest) = (least[lane + half], greatest[lane + half]);
+            least[lane] = if other_least < least[lane] { other_least } else { least[lane] };
+            greatest[lane] = if other_greatest > greatest[lane] { other_greatest } else { greatest[lane] };
+            zeros[lane] += zeros[lane + half];
+        }
+        half /= 2;
     }
-    for value in rest {
-        all.least = all.least.min(*value);
-        all.greatest = all.greatest.max(*value);
-        all.are_finite &= value.is_finite();
+    (all.least, all.greatest) = (least[0], greatest[0]);
+    all.are_finite &= zeros[0] == 0.0;
+}
+
+#[inline(always)]
+fn take_extremes(
+    group: &[f64; ABREAST],
+    least: &mut [f64; ABREAST],
+    greatest: &mut [f64; ABREAST],
+    zeros: &mut [f64; ABREAST],
+) {
+    for lane in 0..ABREAST {
+        // Plain comparisons: they need no care for what is no number and become one instruction.
+        least[lane] = if group[lane] < least[lane] { group[lane] } else { least[lane] };
+        greatest[lane] = if group[lane] > greatest[lane] { group[lane] } else { greatest[lane] };
+        zeros[lane] += 0.0 * group[lane];
     }
 }
 
@@ -132,6 +158,60 @@ fn sums_of(values: &[f64], sums: &mut [f64; 2]) {
 fn sums_of_less(values: &[f64], less: &[f64], sums: &mut [f64; 2]) {
     let less = &less[..values.len()];
     *sums = [sum_of(values.len(), |i| values[i] - less[i]), sum_of(values.len(), |i| (values[i] - less[i]).abs())];
+}
+
+/// Fills two columns with a state and with the same a step (s) later, at some rates.
+pub fn first_stage(state: &[f64], rates: &[f64], step: f64, columns: [&mut [f64]; 2]) {
+    first_stage_widely(state, rates, step, columns);
+}
+
+widest!(first_stage_widely, first_stage_of, (state: &[f64], rates: &[f64], step: f64, columns: [&mut [f64]; 2]));
+
+#[inline(always)]
+fn first_stage_of(state: &[f64], rates: &[f64], step: f64, [same, later]: [&mut [f64]; 2]) {
+    let columns = same.iter_mut().zip(later);
+    for ((same, later), (state, rate)) in columns.zip(state.iter().zip(rates)) {
+        *same = *state;
+        *later = state + step * rate;
+    }
+}
+
+/// Brings a time (s) to the earliest after now at which a number that changes at a rate (1/s) reaches one of two others.
+pub fn first_reached(numbers: &[f64], rates: &[f64], others: (f64, f64), earliest: &mut f64) {
+    first_reached_widely(numbers, rates, others, earliest);
+}
+
+widest!(first_reached_widely, first_reached_of, (numbers: &[f64], rates: &[f64], others: (f64, f64), earliest: &mut f64));
+
+#[inline(always)]
+fn first_reached_of(numbers: &[f64], rates: &[f64], others: (f64, f64), earliest: &mut f64) {
+    /// More than what rounding makes of a product and of a quotient.
+    const ROUNDED: f64 = 1.0 + 1e-9;
+    let note = |number: f64, rate: f64, earliest: &mut f64| {
+        for other in [others.0, others.1] {
+            let time = (other - number) / rate;
+            if time > 0.0 && time < *earliest {
+                *earliest = time;
+            }
+        }
+    };
+    let ((numbers, rest), (rates, rest_rates)) = (numbers.as_chunks::<LANES>(), rates.as_chunks::<LANES>());
+    for (numbers, rates) in numbers.iter().zip(rates) {
+        // Few are so near that they have to be divided.
+        let mut near = [false; LANES];
+        for lane in 0..LANES {
+            let way = ROUNDED * (*earliest * rates[lane]).abs();
+            near[lane] = ((others.0 - numbers[lane]).abs() <= way) | ((others.1 - numbers[lane]).abs() <= way);
+        }
+        if near.contains(&true) {
+            for lane in 0..LANES {
+                note(numbers[lane], rates[lane], earliest);
+            }
+        }
+    }
+    for (number, rate) in rest.iter().zip(rest_rates) {
+        note(*number, *rate, earliest);
+    }
 }
 
 /// What is added up over a step: the start, the end, the rates at the start and at the end.
@@ -253,13 +333,29 @@ mod tests {
         }
     }
 
+    proptest! {
+        #[test]
+        fn times_are_those_of_a_plain_loop(
+            states in prop::collection::vec((-2.0..2.0_f64, prop_oneof![-1e-3..1e-3_f64, Just(0.0), Just(f64::NAN)]), 0..70),
+            within in prop_oneof![Just(f64::INFINITY), 1.0..1e4_f64],
+        ) {
+            let (numbers, rates): (Vec<f64>, Vec<f64>) = states.iter().copied().unzip();
+            let mut found = within;
+            first_reached(&numbers, &rates, (-1.0, 1.0), &mut found);
+            let times = states.iter().flat_map(|(number, rate)| [-1.0, 1.0].map(|other| (other - number) / rate));
+            let plain = times.filter(|time| *time > 0.0).fold(within, f64::min);
+            prop_assert_eq!(found, plain);
+        }
+    }
+
     #[test]
     fn what_is_not_finite_is_found_in_any_lane() {
         for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-            for place in 0..21 {
-                let mut values = [1.0; 21];
+            for (count, place) in [5, 21, 40].into_iter().flat_map(|count| (0..count).map(move |place| (count, place)))
+            {
+                let mut values = vec![1.0; count];
                 values[place] = bad;
-                assert!(!MinMax::of(&values).are_finite, "{bad} at {place}");
+                assert!(!MinMax::of(&values).are_finite, "{bad} at {place} of {count}");
             }
         }
         assert_eq!(MinMax::of(&[]), MinMax::NONE);

@@ -106,8 +106,8 @@ impl Balance for Heated {
         self.balance.patches().into_iter().chain(own).collect()
     }
 
-    fn next_kink(&self, enthalpy: &[f64], rates: &[f64]) -> f64 {
-        self.balance.next_kink(enthalpy, rates)
+    fn next_kink(&self, enthalpy: &[f64], rates: &[f64], within: f64) -> f64 {
+        self.balance.next_kink(enthalpy, rates, within)
     }
 
     fn rate(&mut self, enthalpy: &[f64], clock: &Clock, rates: &mut Rates<'_>) {

@@ -392,8 +392,8 @@ impl<L: Laws> Balance for LatticeBalance<L> {
         &self.facts
     }
 
-    fn next_kink(&self, enthalpy: &[f64], rates: &[f64]) -> f64 {
-        self.front.as_ref().map_or(f64::INFINITY, |front| front.next_kink(enthalpy, rates, &self.around.laws))
+    fn next_kink(&self, enthalpy: &[f64], rates: &[f64], within: f64) -> f64 {
+        self.front.as_ref().map_or(f64::INFINITY, |front| front.next_kink(enthalpy, rates, within, &self.around.laws))
     }
 
     fn rate(&mut self, enthalpy: &[f64], clock: &Clock, rates: &mut Rates<'_>) {

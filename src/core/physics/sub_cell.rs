@@ -33,6 +33,7 @@ use crate::memory::HeapSize;
 use crate::physics::latent_heat::Materials;
 use crate::physics::laws::Laws;
 use crate::physics::sharp_stretches::{Sharp, Stretch, material_of, stretches};
+use crate::side_by_side::first_reached;
 use crate::solvers::kept::add_one;
 use crate::space::lattice::Lattice;
 use changes::Changes;
@@ -130,21 +131,18 @@ impl SubCellFront {
     }
 
     /// Time (s) after which, if the rates (W/m3) go on, a particle of a line next begins or ends to freeze, or a front on a
-    /// face turns to the particle on the other side; infinite in a plane, where one of so many always does soon.
-    pub fn next_kink(&self, enthalpy: &[f64], rates: &[f64], laws: &impl Laws) -> f64 {
+    /// face turns to the particle on the other side, if that is `within` some time; infinite in a plane, where one of so many always does
+    /// soon.
+    pub fn next_kink(&self, enthalpy: &[f64], rates: &[f64], within: f64, laws: &impl Laws) -> f64 {
         if self.several.is_some() {
             return f64::INFINITY;
         }
-        let mut next = f64::INFINITY;
-        let mut note = |time: f64| next = if time > 0.0 && time < next { time } else { next };
+        let mut next = within;
         for (first, end, sharp) in &self.stretches {
-            let (of_stretch, sharp) = (*first as usize..*end as usize, &self.sharp[*sharp as usize]);
-            for (enthalpy, rate) in enthalpy[of_stretch.clone()].iter().zip(&rates[of_stretch]) {
-                for edge in [sharp.interval.0, sharp.interval.1] {
-                    note((edge - enthalpy) / rate);
-                }
-            }
+            let (of_stretch, interval) = (*first as usize..*end as usize, self.sharp[*sharp as usize].interval);
+            first_reached(&enthalpy[of_stretch.clone()], &rates[of_stretch], interval, &mut next);
         }
+        let mut note = |time: f64| next = if time > 0.0 && time < next { time } else { next };
         for (one, other) in self.faces.apart() {
             let potential = self.sharp[material_of(&self.stretches, *one) as usize].potential;
             let sides = [one, other].map(|particle| {

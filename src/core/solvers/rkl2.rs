@@ -6,7 +6,7 @@ use crate::ledger::{Hermite, Ledger};
 use crate::memory::HeapSize;
 use crate::particles::Particles;
 use crate::saved::{Pass, Saved};
-use crate::side_by_side::{StepColumns, error_and_size, error_of_one};
+use crate::side_by_side::{StepColumns, error_and_size, error_of_one, first_stage};
 use crate::solvers::balance::{Balance, BalanceFacts, Stage, StageColumns, Update};
 use crate::solvers::control::{Control, EnthalpyRange, Judgement, taken_up};
 use crate::solvers::sharp::just_before;
@@ -37,6 +37,35 @@ const WORTH: f64 = 1.25;
 /// Estimated error of a step of Euler, over that of a long step, from which it is too much: as many more of them are made.
 const OF_EULER: f64 = 10.0;
 
+/// Rate of the first stage, over the first of all weights.
+const FIRST: f64 = 1.0 / 3.0;
+
+/// Coefficients of a stage, as they are in chains of any number of stages.
+#[derive(Debug, Clone, Copy)]
+struct Coefficients {
+    /// Of the states one stage and two stages back.
+    mu: f64,
+    nu: f64,
+    /// Of the rate at the start of the step, over that of the rate one stage back.
+    by_first: f64,
+}
+
+impl Coefficients {
+    /// Adds those that are not yet among those from the second stage on, up to the last of so many.
+    fn reach(found: &mut Vec<Self>, stages: usize) {
+        let b = |j: usize| {
+            let j = j as f64;
+            if j < 2.0 { FIRST } else { (j * j + j - 2.0) / (2.0 * j * (j + 1.0)) }
+        };
+        let of = |j: usize| {
+            let k = j as f64;
+            let (mu, nu) = ((2.0 * k - 1.0) / k * b(j) / b(j - 1), -(k - 1.0) / k * b(j) / b(j - 2));
+            Coefficients { mu, nu, by_first: -(1.0 - b(j - 1)) }
+        };
+        found.extend((found.len() + 2..=stages).map(of));
+    }
+}
+
 /// Runge-Kutta-Legendre of second order (Meyer, Balsara and Aslam 2014): s stages reach (s^2 + s - 2) / 4 Euler
 /// steps. Stable, but not monotone: a full step right after a jump leaves the range of the data, so steps grow from
 /// Euler's: by a fixed factor, or as the estimated error allows. Beside water that carries heat too fast for stages, those by error are
@@ -45,6 +74,8 @@ pub struct Rkl2 {
     balance: Box<dyn Balance>,
     ledger: Ledger,
     pace: Pace,
+    /// Of all stages that a chain has had.
+    coefficients: Vec<Coefficients>,
     /// State two stages back and one stage back.
     older: Vec<f64>,
     old: Vec<f64>,
@@ -105,6 +136,7 @@ impl Rkl2 {
             balance,
             ledger,
             pace,
+            coefficients: Vec::new(),
             older: column(),
             old: column(),
             first_rate: column(),
@@ -170,35 +202,22 @@ impl Rkl2 {
         let s = stages as f64;
         let w1 = 4.0 / (s * s + s - 2.0);
         self.begin(start, clock);
-        let b = |j: usize| {
-            let j = j as f64;
-            if j < 2.0 { 1.0 / 3.0 } else { (j * j + j - 2.0) / (2.0 * j * (j + 1.0)) }
-        };
-        let by_first = b(1) * w1 * step;
-        self.older.copy_from_slice(start);
-        for (old, (start, rate)) in self.old.iter_mut().zip(start.iter().zip(&self.first_rate)) {
-            *old = start + by_first * rate;
-        }
+        Coefficients::reach(&mut self.coefficients, stages);
+        let by_first = FIRST * w1 * step;
+        first_stage(start, &self.first_rate, by_first, [&mut self.older, &mut self.old]);
         let patches = &mut self.patches;
         patches.older.fill(0.0);
         for (old, rate) in patches.old.iter_mut().zip(&patches.first) {
             *old = by_first * rate;
         }
         for j in 2..=stages {
-            let k = j as f64;
-            let mu = (2.0 * k - 1.0) / k * b(j) / b(j - 1);
-            let nu = -(k - 1.0) / k * b(j) / b(j - 2);
+            let Coefficients { mu, nu, by_first } = self.coefficients[j - 2];
             let by_rate = mu * w1 * step;
-            let stage = Stage {
-                newest: mu,
-                oldest: nu,
-                start: 1.0 - mu - nu,
-                rate: by_rate,
-                first: -(1.0 - b(j - 1)) * by_rate,
-            };
+            let stage =
+                Stage { newest: mu, oldest: nu, start: 1.0 - mu - nu, rate: by_rate, first: by_first * by_rate };
             // Abscissa of the previous stage, for walls that change in time.
-            let p = k - 1.0;
-            let abscissa = if j == 2 { b(1) * w1 } else { (p * p + p - 2.0) / (s * s + s - 2.0) };
+            let p = j as f64 - 1.0;
+            let abscissa = if j == 2 { FIRST * w1 } else { (p * p + p - 2.0) / (s * s + s - 2.0) };
             let mut columns =
                 StageColumns { newest: &self.old, oldest: &mut self.older, start, first: &self.first_rate };
             let clock = Clock { time: time + abscissa * step, ..*clock };
@@ -274,14 +293,14 @@ impl Rkl2 {
         step
     }
 
-    /// Time (s) to just beyond the next kink of the rates, as far as they tell at a time (s). Steps that end there are hardly ever made
-    /// again: their error is that of smooth rates.
-    fn to_kink(&self, state: &[f64], time: f64) -> f64 {
+    /// A step (s), or the time to just beyond the next kink of the rates, as far as they tell at a time (s), if that is less. Steps that
+    /// end there are hardly ever made again: their error is that of smooth rates.
+    fn to_kink(&self, state: &[f64], time: f64, step: f64) -> f64 {
         if self.first_holds_at != Some(time) {
-            return f64::INFINITY;
+            return step;
         }
-        let next = self.balance.next_kink(state, &self.first_rate);
-        (BEYOND * next).max(START * self.balance.step_bound())
+        let next = self.balance.next_kink(state, &self.first_rate, step);
+        step.min((BEYOND * next).max(START * self.balance.step_bound()))
     }
 
     /// Sum over particles, by their volumes, of the estimated error of a step from `start` to `old` (the distance to the Hermite
@@ -360,7 +379,7 @@ impl Solver for Rkl2 {
         if self.balance.companion().is_some() {
             step = step.min(self.longest(self.most()));
         }
-        step = step.min(self.to_kink(state, clock.time));
+        step = self.to_kink(state, clock.time, step);
         loop {
             let attempt = Clock { step, ..*clock };
             self.chain(state, &attempt, self.stages(step));
@@ -459,6 +478,7 @@ impl HeapSize for Rkl2 {
             Pace::Fixed { .. } => 0,
             Pace::Controlled { range, .. } => range.heap_size(),
         };
-        self.balance.heap_size() + range + columns.into_iter().map(HeapSize::heap_size).sum::<usize>()
+        let coefficients = self.coefficients.capacity() * size_of::<Coefficients>();
+        self.balance.heap_size() + range + coefficients + columns.into_iter().map(HeapSize::heap_size).sum::<usize>()
     }
 }

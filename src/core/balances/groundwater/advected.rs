@@ -134,8 +134,8 @@ impl Balance for AdvectedHeat {
         &self.facts
     }
 
-    fn next_kink(&self, enthalpy: &[f64], rates: &[f64]) -> f64 {
-        self.conduction.next_kink(enthalpy, rates)
+    fn next_kink(&self, enthalpy: &[f64], rates: &[f64], within: f64) -> f64 {
+        self.conduction.next_kink(enthalpy, rates, within)
     }
 
     fn rate(&mut self, enthalpy: &[f64], clock: &Clock, rates: &mut Rates<'_>) {

@@ -1,6 +1,6 @@
 //! In which phase each particle is, in a bit for each phase.
 
-use super::numbers::{Flags as _, Kind, LANES, Numbers as _, Portable, by_kind};
+use super::numbers::{Flags as _, Kind, LANES, Numbers as _, by_kind};
 use crate::memory::HeapSize;
 use crate::physics::sharp_stretches::{Sharp, Stretch};
 
@@ -46,19 +46,16 @@ impl Phases {
 
     /// Sets those of the particles of one word that are in a range.
     fn set_some(&mut self, enthalpy: &[f64], (first, end): (usize, usize), interval: (f64, f64)) {
-        let mut found = [0; 3];
-        for particle in first..end {
-            for (word, flag) in found.iter_mut().zip(phases_of(Portable, &[enthalpy[particle]], interval)) {
-                *word |= flag << (particle % WORD);
-            }
+        if first == end {
+            return;
         }
-        if first < end {
-            let (word, shift) = (first / WORD, first % WORD);
-            let others = !((u64::MAX >> (WORD - (end - first))) << shift);
-            let own = [&mut self.frozen, &mut self.freezing, &mut self.unfrozen];
-            for (words, found) in own.into_iter().zip(found) {
-                words[word] = words[word] & others | found;
-            }
+        let mut found = [0; 3];
+        tell_some_widely(&enthalpy[first..end], interval, &mut found);
+        let (word, shift) = (first / WORD, first % WORD);
+        let others = !((u64::MAX >> (WORD - (end - first))) << shift);
+        let own = [&mut self.frozen, &mut self.freezing, &mut self.unfrozen];
+        for (words, found) in own.into_iter().zip(found) {
+            words[word] = words[word] & others | found << shift;
         }
     }
 
@@ -112,12 +109,40 @@ fn add_all(mut bits: u64, first: u32, mut add: impl FnMut(u32)) {
     }
 }
 
-/// A bit for each of some enthalpies, by phase.
+/// Adds a bit for each of a group of enthalpies, by phase; what is no number is in none.
 #[inline(always)]
-fn phases_of<const L: usize>(kind: impl Kind<L>, enthalpy: &[f64; L], (frozen, unfrozen): (f64, f64)) -> Words {
-    let (own, frozen, unfrozen) = (kind.load(enthalpy), kind.of(frozen), kind.of(unfrozen));
+fn add_group<K: Kind<LANES>>(
+    kind: K,
+    group: usize,
+    enthalpy: &[f64; LANES],
+    limits: [K::Numbers; 2],
+    found: &mut Words,
+) {
+    let ([frozen, unfrozen], own) = (limits, kind.load(enthalpy));
     let freezing = frozen.is_less(own) & own.is_less(unfrozen);
-    [own.is_less(frozen).bits(), freezing.bits(), unfrozen.is_less(own).bits()]
+    let phases = [own.is_less(frozen).bits(), freezing.bits(), unfrozen.is_less(own).bits()];
+    for (word, bits) in found.iter_mut().zip(phases) {
+        *word |= bits << (group * LANES);
+    }
+}
+
+by_kind!(tell_some_widely, tell_some, (enthalpy: &[f64], interval: (f64, f64), found: &mut Words));
+
+/// Tells the phases of particles, no more than are in a word.
+#[inline(always)]
+fn tell_some(kind: impl Kind<LANES>, enthalpy: &[f64], (frozen, unfrozen): (f64, f64), found: &mut Words) {
+    let limits = [kind.of(frozen), kind.of(unfrozen)];
+    let (groups, rest) = enthalpy.as_chunks::<LANES>();
+    for (group, enthalpy) in groups.iter().enumerate() {
+        add_group(kind, group, enthalpy, limits, found);
+    }
+    if !rest.is_empty() {
+        let mut last = [f64::NAN; LANES];
+        for (last, enthalpy) in last.iter_mut().zip(rest) {
+            *last = *enthalpy;
+        }
+        add_group(kind, groups.len(), &last, limits, found);
+    }
 }
 
 /// Words of frozen, freezing and unfrozen particles.
@@ -128,16 +153,43 @@ by_kind!(tell_widely, tell, (enthalpy: &[f64], interval: (f64, f64), words: Fill
 /// Tells the phases of particles, as many as fill the words.
 #[inline(always)]
 fn tell(kind: impl Kind<LANES>, enthalpy: &[f64], interval: (f64, f64), (frozen, freezing, unfrozen): Filled<'_>) {
+    let limits = [kind.of(interval.0), kind.of(interval.1)];
     let words = frozen.iter_mut().zip(freezing).zip(unfrozen);
     for (enthalpy, ((frozen, freezing), unfrozen)) in enthalpy.as_chunks::<WORD>().0.iter().zip(words) {
+        let groups = enthalpy.as_chunks::<LANES>().0;
         let mut found = [0; 3];
-        for (place, enthalpy) in enthalpy.as_chunks::<LANES>().0.iter().enumerate() {
-            for (word, bits) in found.iter_mut().zip(phases_of(kind, enthalpy, interval)) {
-                *word |= bits << (place * LANES);
+        // Mostly all particles of a word are frozen, or none is, which takes less to be told.
+        if enthalpy[0] < interval.0 && are_frozen(kind, groups, limits[0]) {
+            found[0] = u64::MAX;
+        } else if enthalpy[0] > interval.1 && are_unfrozen(kind, groups, limits[1]) {
+            found[2] = u64::MAX;
+        } else {
+            for (group, enthalpy) in groups.iter().enumerate() {
+                add_group(kind, group, enthalpy, limits, &mut found);
             }
         }
         [*frozen, *freezing, *unfrozen] = found;
     }
+}
+
+/// Whether all of some groups are frozen.
+#[inline(always)]
+fn are_frozen<K: Kind<LANES>>(kind: K, groups: &[[f64; LANES]], limit: K::Numbers) -> bool {
+    let mut all = kind.load(&groups[0]).is_less(limit);
+    for group in &groups[1..] {
+        all = all & kind.load(group).is_less(limit);
+    }
+    !(!all).any()
+}
+
+/// Whether all of some groups are unfrozen.
+#[inline(always)]
+fn are_unfrozen<K: Kind<LANES>>(kind: K, groups: &[[f64; LANES]], limit: K::Numbers) -> bool {
+    let mut all = limit.is_less(kind.load(&groups[0]));
+    for group in &groups[1..] {
+        all = all & limit.is_less(kind.load(group));
+    }
+    !(!all).any()
 }
 
 impl HeapSize for Phases {

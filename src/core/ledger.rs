@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use crate::instruction_set::widest;
 use crate::saved::{Pass, Saved};
 use crate::space::wall::PatchId;
 
@@ -76,12 +77,18 @@ impl Hermite {
 
     /// The column between two states.
     pub fn fill(&self, out: &mut [f64], states: (&[f64], &[f64]), rates: (&[f64], &[f64]), step: f64) {
-        let (first, last) = (step * self.first, step * self.last);
-        let states = states.0.iter().zip(states.1);
-        let rates = rates.0.iter().zip(rates.1);
-        for (out, ((start, end), (at_start, at_end))) in out.iter_mut().zip(states.zip(rates)) {
-            *out = self.start * start + self.end * end + first * at_start + last * at_end;
-        }
+        let weights = [self.start, self.end, step * self.first, step * self.last];
+        weigh_widely(out, [states.0, states.1, rates.0, rates.1], weights);
+    }
+}
+
+widest!(weigh_widely, weigh, (out: &mut [f64], columns: [&[f64]; 4], weights: [f64; 4]));
+
+/// Fills a column with the sum of four others, each by a weight.
+#[inline(always)]
+fn weigh(out: &mut [f64], [a, b, c, d]: [&[f64]; 4], weights: [f64; 4]) {
+    for ((out, (a, b)), (c, d)) in out.iter_mut().zip(a.iter().zip(b)).zip(c.iter().zip(d)) {
+        *out = weights[0] * a + weights[1] * b + weights[2] * c + weights[3] * d;
     }
 }
 

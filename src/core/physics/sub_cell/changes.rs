@@ -20,28 +20,44 @@ impl Changes {
         self.count = 0;
     }
 
-    /// Adds those of particles that are not zero, no more than `most`.
+    /// Room for so many more.
     #[inline(always)]
-    pub(super) fn extend(&mut self, most: usize, changes: impl Iterator<Item = (u32, f64)>) {
-        let start = self.count;
-        if self.list.len() < start + most {
-            self.list.resize((start + most).max(self.list.capacity()), (0, 0.0));
+    pub(super) fn room(&mut self, most: usize) -> Room<'_> {
+        let end = self.count + most;
+        if self.list.len() < end {
+            self.list.resize(end.max(self.list.capacity()), (0, 0.0));
         }
-        // Whether a particle is changed cannot be guessed: all are written, and those that are not are written over.
-        let (slots, mut count) = (&mut self.list[start..], 0);
-        for (particle, change) in changes {
-            if let Some(slot) = slots.get_mut(count) {
-                *slot = (particle, change);
-            }
-            count += usize::from(change != 0.0);
-        }
-        self.count = start + count.min(most);
+        Room { slots: &mut self.list[self.count..end], taken: 0 }
+    }
+
+    /// Takes so many more from the room that there was.
+    #[inline(always)]
+    pub(super) fn take(&mut self, taken: usize) {
+        self.count += taken;
     }
 
     /// All of them.
     #[inline(always)]
     pub(super) fn all(&self) -> &[(u32, f64)] {
         &self.list[..self.count]
+    }
+}
+
+/// Room for changes, and how much of it is taken.
+pub(super) struct Room<'a> {
+    slots: &'a mut [(u32, f64)],
+    pub(super) taken: usize,
+}
+
+impl Room<'_> {
+    /// Adds what is added to a particle, if that is not zero.
+    #[inline(always)]
+    pub(super) fn add(&mut self, particle: u32, change: f64) {
+        // Whether a particle is changed cannot be guessed: all are written, and those that are not are written over.
+        if let Some(slot) = self.slots.get_mut(self.taken) {
+            *slot = (particle, change);
+            self.taken += usize::from(change != 0.0);
+        }
     }
 }
 

@@ -15,6 +15,9 @@ use crate::physics::laws::Laws;
 use crate::physics::sharp_stretches::{Sharp, Stretch, material_of};
 use crate::space::lattice::Lattice;
 
+/// Bytes that are read at once.
+const WORD: usize = size_of::<u64>();
+
 /// Faces of a body at which fronts lie.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Faces {
@@ -25,8 +28,8 @@ pub(super) struct Faces {
     apart: Vec<(u32, u32)>,
     /// Particles that are entered, by material and number.
     entered: Vec<(u32, u32)>,
-    /// A bit for each particle: whether it is entered.
-    marks: Vec<u64>,
+    /// A bit for each particle: whether it is entered. There is a word of bytes from each on.
+    marks: Vec<u8>,
 }
 
 impl Faces {
@@ -59,7 +62,7 @@ impl Faces {
                 neighbours.push((first, first + (until_both - from_both) as u32, above - first));
             }
         }
-        Faces { neighbours, marks: vec![0; lattice.len().div_ceil(64)], ..Faces::default() }
+        Faces { neighbours, marks: vec![0; lattice.len() / 8 + WORD], ..Faces::default() }
     }
 
     /// Finds fronts on faces in a state of enthalpies (J/m3) of particles in some phases.
@@ -71,7 +74,7 @@ impl Faces {
         laws: &impl Laws,
     ) {
         for (_, particle) in self.entered.drain(..) {
-            self.marks[particle as usize / 64] = 0;
+            self.marks[particle as usize / 8] = 0;
         }
         self.apart.clear();
         phases.find_apart(&self.neighbours, &mut self.apart);
@@ -93,7 +96,7 @@ impl Faces {
         self.entered.sort_unstable();
         self.entered.dedup();
         for (_, particle) in &self.entered {
-            self.marks[*particle as usize / 64] |= 1 << (particle % 64);
+            self.marks[*particle as usize / 8] |= 1 << (particle % 8);
         }
     }
 
@@ -110,16 +113,15 @@ impl Faces {
     /// Whether a particle is entered.
     #[inline(always)]
     pub(super) fn holds(&self, particle: u32) -> bool {
-        self.marks[particle as usize / 64] >> (particle % 64) & 1 != 0
+        self.marks[particle as usize / 8] >> (particle % 8) & 1 != 0
     }
 
-    /// A bit for each of at most 64 particles, from one on: whether they are entered.
+    /// A bit for each of at most 57 particles, from one on: whether they are entered.
     #[inline(always)]
     pub(super) fn of(&self, first: u32, count: usize) -> u64 {
-        let (word, shift) = (first as usize / 64, first % 64);
-        let low = self.marks[word] >> shift;
-        let high = if shift as usize + count > 64 { self.marks[word + 1] << (64 - shift) } else { 0 };
-        (low | high) & (u64::MAX >> (64 - count))
+        let mut bytes = [0; WORD];
+        bytes.copy_from_slice(&self.marks[first as usize / 8..][..WORD]);
+        u64::from_le_bytes(bytes) >> (first % 8) & (u64::MAX >> (64 - count))
     }
 }
 

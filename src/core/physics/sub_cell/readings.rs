@@ -1,7 +1,5 @@
 //! What fronts tell of the cells that they cross.
 
-use std::ops::Range;
-
 use crate::instruction_set::widest;
 use crate::space::lattice::Lattice;
 
@@ -57,47 +55,54 @@ fn from_around(own: f64, around: [[f64; 2]; 2]) -> f64 {
 /// Cells in which a front may lie elsewhere than heat alone says, by index, column and row, in order: those beside which the frozen
 /// fraction is another. In the others there is no front, or they are as their neighbours are.
 pub fn cells_with_fronts(lattice: &Lattice, fractions: &[f64]) -> Vec<(usize, (i64, i64))> {
-    let mut marks = vec![false; fractions.len()];
-    let mut differ = vec![false; lattice.columns];
-    let mut look = |first: usize, other: usize, count: usize| {
-        compare_widely(&fractions[first..][..count], &fractions[other..][..count], &mut differ[..count]);
-        for own in [first, other] {
-            marks[own..][..count].iter_mut().zip(&differ).for_each(|(mark, differs)| *mark |= differs);
-        }
-    };
+    let mut marks = vec![0; fractions.len()];
+    let mut differ = vec![0; lattice.columns];
     for row in 0..lattice.rows {
         let (start, (first, end)) = (lattice.start(row), lattice.span(row));
         // Beside a curved wall a row may be without a cell.
         let Some(along) = (end - first).checked_sub(1) else { continue };
-        if along > 0 {
-            look(start, start + 1, along);
+        let (own, next) = (&fractions[start..start + along], &fractions[start + 1..start + 1 + along]);
+        differ[..along].fill(0);
+        mark_widely(own, next, &mut differ[..along], &mut marks[start..start + along]);
+        for (mark, differs) in marks[start + 1..start + 1 + along].iter_mut().zip(&differ) {
+            *mark |= differs;
         }
         let Some(below) = row.checked_sub(1) else { continue };
         let (first_below, end_below) = lattice.span(below);
         let from = first.max(first_below);
         let Some(both) = end.min(end_below).checked_sub(from) else { continue };
-        look(start + from - first, lattice.start(below) + from - first_below, both);
+        let (own, other) = (start + from - first, lattice.start(below) + from - first_below);
+        let (marks_below, marks) = marks.split_at_mut(start);
+        let (marks, marks_below) = (&mut marks[own - start..][..both], &mut marks_below[other..][..both]);
+        mark_widely(&fractions[own..][..both], &fractions[other..][..both], marks, marks_below);
     }
-    let rows = (0..lattice.rows).map(|row| (lattice.start(row)..lattice.start(row + 1), lattice.span(row).0, row));
-    let of_row = |(cells, first, row): (Range<usize>, usize, usize)| {
-        let start = cells.start;
-        those_set(&marks[cells]).map(move |along| (start + along, ((first + along) as i64, row as i64)))
-    };
-    rows.flat_map(of_row).collect()
+    let mut found = Vec::new();
+    for row in 0..lattice.rows {
+        let (start, first) = (lattice.start(row), lattice.span(row).0);
+        let mut add = |place: usize| found.push((place, ((first + place - start) as i64, row as i64)));
+        let (words, rest) = marks[start..lattice.start(row + 1)].as_chunks::<8>();
+        for (number, word) in words.iter().enumerate() {
+            // Few cells are marked.
+            if u64::from_ne_bytes(*word) != 0 {
+                (0..8).filter(|place| word[*place] != 0).for_each(|place| add(start + 8 * number + place));
+            }
+        }
+        let from = start + 8 * words.len();
+        (0..rest.len()).filter(|place| rest[*place] != 0).for_each(|place| add(from + place));
+    }
+    found
 }
 
-widest!(compare_widely, compare, (some: &[f64], others: &[f64], differ: &mut [bool]));
+widest!(mark_widely, mark, (some: &[f64], others: &[f64], marks: &mut [u8], other_marks: &mut [u8]));
 
+/// Marks numbers that differ from others, and these.
 #[inline(always)]
-fn compare(some: &[f64], others: &[f64], differ: &mut [bool]) {
-    some.iter().zip(others).zip(differ).for_each(|((one, other), differ)| *differ = one != other);
-}
-
-/// Places of those flags that are set, of which there are few.
-fn those_set(flags: &[bool]) -> impl Iterator<Item = usize> {
-    const GROUP: usize = 16;
-    let groups = flags.chunks(GROUP).enumerate().filter(|(_, group)| group.contains(&true));
-    groups.flat_map(|(number, group)| (GROUP * number..).zip(group).filter(|(_, flag)| **flag).map(|(place, _)| place))
+fn mark(some: &[f64], others: &[f64], marks: &mut [u8], other_marks: &mut [u8]) {
+    for ((one, other), (mark, other_mark)) in some.iter().zip(others).zip(marks.iter_mut().zip(other_marks)) {
+        let differs = u8::from(one != other);
+        *mark |= differs;
+        *other_mark |= differs;
+    }
 }
 
 /// Sensible heat of the share of a cell that is in one phase, by that of the neighbours in this phase and of the particle itself, all

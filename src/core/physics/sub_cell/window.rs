@@ -1,5 +1,7 @@
 //! What lies around freezing particles, some of them side by side.
 
+use std::ops::Range;
+
 use super::changes::Changes;
 use super::faces::Faces;
 use super::pairs::Near;
@@ -40,6 +42,9 @@ pub(super) struct Window<const L: usize> {
     pub(super) free: [[[i64; L]; 2]; 2],
     /// Whether walls are so far that all sums of offsets are free.
     pub(super) is_clear: bool,
+    /// Whether, of each freezing particle, they are so far that this needs not to be asked; and of which particles of a row.
+    is_inside: [bool; L],
+    inside: Inside,
     /// How many freezing particles there are; what lies around the others is empty.
     pub(super) count: usize,
     /// How near the fronts are, by spacings from the middle.
@@ -48,6 +53,43 @@ pub(super) struct Window<const L: usize> {
     at_front: f64,
     /// Enthalpies (J/m3) of the particles.
     pub(super) enthalpies: Vec<[f64; L]>,
+}
+
+/// Particles of a row that walls are far from, around which all others stand where they would in a body without end.
+#[derive(Debug, Clone)]
+struct Inside {
+    row: i64,
+    /// Their columns.
+    columns: Range<i64>,
+    /// Numbers of the first particles of rows of places, less the column of the one in the middle.
+    bases: Vec<i64>,
+}
+
+impl Inside {
+    /// Finds those of a row.
+    fn turn_to(&mut self, row: i64, (lattice, surroundings): (&Lattice, &Surroundings)) {
+        let Surroundings { reach: (across, along), mirrors: [left, right, bottom, top], repeats } = *surroundings;
+        let (columns, rows) = (lattice.columns as i64, lattice.rows as i64);
+        let is_far = |place: i64, count: i64, reach: i64, mirrors: (bool, bool), repeats: bool| {
+            let [least, greatest] = free(place, count, reach, mirrors, repeats);
+            least <= -2 * reach && 2 * reach <= greatest
+        };
+        (self.row, self.columns) = (row, 0..0);
+        if row < along || row + along >= rows || !is_far(row, rows, along, (bottom, top), repeats[1]) {
+            return;
+        }
+        let mut both = i64::MIN..i64::MAX;
+        for (base, row) in self.bases.iter_mut().zip(row - along..=row + along) {
+            let (first, end) = lattice.span(row as usize);
+            *base = lattice.start(row as usize) as i64 - first as i64 - across;
+            both = both.start.max(first as i64 + across)..both.end.min(end as i64 - across);
+        }
+        let is_far = |column: i64| is_far(column, columns, across, (left, right), repeats[0]);
+        let mut far = both.filter(|column| is_far(*column));
+        if let Some(first) = far.next() {
+            self.columns = first..far.next_back().unwrap_or(first) + 1;
+        }
+    }
 }
 
 /// What surrounds windows.
@@ -114,6 +156,8 @@ impl<const L: usize> Window<L> {
             fractions: [0.5; L],
             free: [[[0; L]; 2]; 2],
             is_clear: true,
+            is_inside: [true; L],
+            inside: Inside { row: i64::MIN, columns: 0..0, bases: vec![0; size / width] },
             count: 0,
             near: vec![[[0.0; L]; 2]; longest + 1],
             at_front: 0.0,
@@ -133,9 +177,11 @@ impl<const L: usize> Window<L> {
     ) {
         self.count = fronts.len();
         self.is_clear = true;
-        for (lane, (cell, fraction)) in fronts.iter().enumerate() {
-            self.fractions[lane] = *fraction;
-            self.is_clear &= self.see(lane, (lattice, surroundings), *cell, (enthalpy, freezing));
+        match self.width {
+            3 => self.see_all::<3>((lattice, surroundings), fronts, (enthalpy, freezing)),
+            5 => self.see_all::<5>((lattice, surroundings), fronts, (enthalpy, freezing)),
+            7 => self.see_all::<7>((lattice, surroundings), fronts, (enthalpy, freezing)),
+            _ => self.see_all::<0>((lattice, surroundings), fronts, (enthalpy, freezing)),
         }
         for lane in fronts.len()..L {
             self.is_whole[lane] = true;
@@ -215,8 +261,45 @@ impl<const L: usize> Window<L> {
         }
     }
 
-    /// Sees the particles around one, whose number in the window is `lane`; returns whether walls are far.
+    /// Sees the particles around some freezing ones, in rows of `WIDTH` places, if that is not zero.
     #[inline(always)]
+    fn see_all<const WIDTH: usize>(
+        &mut self,
+        place: (&Lattice, &Surroundings),
+        fronts: &[Front],
+        states: (&[f64], f64),
+    ) {
+        let width = if WIDTH == 0 { self.width } else { WIDTH };
+        for (lane, (cell, fraction)) in fronts.iter().enumerate() {
+            self.fractions[lane] = *fraction;
+            if self.inside.row != cell.1 {
+                self.inside.turn_to(cell.1, place);
+            }
+            self.is_inside[lane] = self.inside.columns.contains(&cell.0);
+            if !self.is_inside[lane] {
+                self.is_clear &= self.see(lane, place, *cell, states);
+                continue;
+            }
+            self.is_whole[lane] = true;
+            let rows = self.enthalpies.chunks_exact_mut(width).zip(&mut self.firsts);
+            for ((enthalpies, firsts), base) in rows.zip(&self.inside.bases) {
+                let first = (base + cell.0) as usize;
+                firsts[lane] = first as u32;
+                for (enthalpies, enthalpy) in enthalpies.iter_mut().zip(&states.0[first..first + width]) {
+                    enthalpies[lane] = *enthalpy;
+                }
+            }
+        }
+        if !self.is_clear {
+            for lane in (0..self.count).filter(|lane| self.is_inside[*lane]) {
+                for free in &mut self.free {
+                    (free[0][lane], free[1][lane]) = (i64::MIN, i64::MAX);
+                }
+            }
+        }
+    }
+
+    /// Sees the particles around one, whose number in the window is `lane`; returns whether walls are far.
     fn see(
         &mut self,
         lane: usize,
@@ -271,16 +354,34 @@ impl<const L: usize> Window<L> {
     /// Adds what fronts exchange to a list, front by front.
     #[inline(always)]
     pub(super) fn collect(&self, changes: &mut Changes) {
+        match self.width {
+            3 => self.collect_rows::<3>(changes),
+            5 => self.collect_rows::<5>(changes),
+            7 => self.collect_rows::<7>(changes),
+            _ => self.collect_rows::<0>(changes),
+        }
+    }
+
+    /// The same in rows of `WIDTH` places, if that is not zero.
+    #[inline(always)]
+    fn collect_rows<const WIDTH: usize>(&self, changes: &mut Changes) {
+        let width = if WIDTH == 0 { self.width } else { WIDTH };
+        let mut room = changes.room(self.count * self.changes.len());
         for lane in 0..self.count {
             if self.is_whole[lane] {
-                for (firsts, all) in self.firsts.iter().zip(self.changes.chunks_exact(self.width)) {
-                    changes.extend(self.width, (firsts[lane]..).zip(all.iter().map(|changes| changes[lane])));
+                for (firsts, all) in self.firsts.iter().zip(self.changes.chunks_exact(width)) {
+                    for (particle, changes) in (firsts[lane]..).zip(all) {
+                        room.add(particle, changes[lane]);
+                    }
                 }
             } else {
-                let all = self.particles.iter().zip(&self.changes);
-                changes.extend(self.changes.len(), all.map(|(particles, changes)| (particles[lane], changes[lane])));
+                for (particles, changes) in self.particles.iter().zip(&self.changes) {
+                    room.add(particles[lane], changes[lane]);
+                }
             }
         }
+        let taken = room.taken;
+        changes.take(taken);
     }
 }
 
@@ -289,7 +390,7 @@ impl<const L: usize> HeapSize for Window<L> {
         let places = (self.particles.capacity() + self.firsts.capacity()) * size_of::<[u32; L]>();
         let numbers =
             self.above.capacity() + self.all_above.capacity() + self.changes.capacity() + self.enthalpies.capacity();
-        let near = self.near.capacity() * size_of::<Near<L>>();
+        let near = self.near.capacity() * size_of::<Near<L>>() + self.inside.bases.capacity() * size_of::<i64>();
         places + near + (numbers + self.freezing.capacity()) * size_of::<[f64; L]>()
     }
 }

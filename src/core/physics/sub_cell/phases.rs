@@ -223,9 +223,17 @@ mod tests {
         /// Particles that freeze, and neighbours between which a front lies, are found wherever they are.
         #[test]
         fn phases_are_found(
-            states in prop::collection::vec(prop_oneof![Just(-1.0), Just(0.0), -2.0..3.0f64, Just(1.0), Just(f64::NAN)], 2..300),
+            alike in prop::collection::vec(
+                (
+                    prop_oneof![Just(-1.0), Just(0.0), -2.0..3.0f64, Just(1.0), Just(2.0), Just(f64::NAN)],
+                    // Few beside each other, or whole words.
+                    prop_oneof![3 => 1usize..3, 1 => 60usize..200],
+                ),
+                2..100,
+            ),
             first in 0usize..300, shift in 1usize..150,
         ) {
+            let states: Vec<f64> = alike.into_iter().flat_map(|(state, count)| vec![state; count]).take(600).collect();
             let count = states.len();
             let interval = (0.0, 1.0);
             let material = Sharp { interval, potential: 0.0, most: 1.0 };

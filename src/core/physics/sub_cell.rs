@@ -131,8 +131,8 @@ impl SubCellFront {
     }
 
     /// Time (s) after which, if the rates (W/m3) go on, a particle of a line next begins or ends to freeze, or a front on a
-    /// face turns to the particle on the other side, if that is `within` some time; infinite in a plane, where one of so many always does
-    /// soon.
+    /// face turns to the particle on the other side, or `within` where none does so earlier; infinite in a plane, where one of so many
+    /// always does soon.
     pub fn next_kink(&self, enthalpy: &[f64], rates: &[f64], within: f64, laws: &impl Laws) -> f64 {
         if self.several.is_some() {
             return f64::INFINITY;

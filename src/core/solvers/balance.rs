@@ -107,8 +107,8 @@ pub trait Balance: HeapSize + Saved + Send {
         self.rate(contents, clock, &mut rates);
         kept.add(contents, clock.step);
     }
-    /// Time (s) after which, if the rates go on, a front next enters or leaves a particle, if that is within some time: there rates
-    /// have a kink. No less than that time where so many particles freeze that steps cannot end there.
+    /// Time (s) after which, if the rates go on, a front next enters or leaves a particle: there rates have a kink. No less than a time
+    /// within which it is asked for where none does, or where so many particles freeze that steps cannot end there.
     fn next_kink(&self, _enthalpy: &[f64], _rates: &[f64], _within: f64) -> f64 {
         f64::INFINITY
     }

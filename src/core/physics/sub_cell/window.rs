@@ -42,9 +42,8 @@ pub(super) struct Window<const L: usize> {
     pub(super) free: [[[i64; L]; 2]; 2],
     /// Whether walls are so far that all sums of offsets are free.
     pub(super) is_clear: bool,
-    /// Whether, of each freezing particle, they are so far that this needs not to be asked; and of which particles of a row.
-    is_inside: [bool; L],
-    inside: Inside,
+    /// The row of the last of them.
+    row: Row,
     /// How many freezing particles there are; what lies around the others is empty.
     pub(super) count: usize,
     /// How near the fronts are, by spacings from the middle.
@@ -55,40 +54,38 @@ pub(super) struct Window<const L: usize> {
     pub(super) enthalpies: Vec<[f64; L]>,
 }
 
-/// Particles of a row that walls are far from, around which all others stand where they would in a body without end.
+/// What windows around particles of a row have in common.
 #[derive(Debug, Clone)]
-struct Inside {
-    row: i64,
-    /// Their columns.
-    columns: Range<i64>,
+struct Row {
+    number: i64,
+    /// Columns around which all particles of a row of places are there, one after the other.
+    whole: Range<i64>,
+    /// Columns that walls are far from.
+    far: Range<i64>,
     /// Numbers of the first particles of rows of places, less the column of the one in the middle.
     bases: Vec<i64>,
 }
 
-impl Inside {
-    /// Finds those of a row.
-    fn turn_to(&mut self, row: i64, (lattice, surroundings): (&Lattice, &Surroundings)) {
-        let Surroundings { reach: (across, along), mirrors: [left, right, bottom, top], repeats } = *surroundings;
-        let (columns, rows) = (lattice.columns as i64, lattice.rows as i64);
-        let is_far = |place: i64, count: i64, reach: i64, mirrors: (bool, bool), repeats: bool| {
-            let [least, greatest] = free(place, count, reach, mirrors, repeats);
-            least <= -2 * reach && 2 * reach <= greatest
-        };
-        (self.row, self.columns) = (row, 0..0);
-        if row < along || row + along >= rows || !is_far(row, rows, along, (bottom, top), repeats[1]) {
-            return;
-        }
-        let mut both = i64::MIN..i64::MAX;
-        for (base, row) in self.bases.iter_mut().zip(row - along..=row + along) {
+impl Row {
+    /// Turns to another row.
+    fn turn_to(&mut self, number: i64, (lattice, surroundings): (&Lattice, &Surroundings)) {
+        let (rows, across) = (lattice.rows as i64, surroundings.reach.0);
+        let mut whole = i64::MIN..i64::MAX;
+        for (base, row) in self.bases.iter_mut().zip(surroundings.rows_around(lattice, number)) {
+            if !(0..rows).contains(&row) {
+                whole = 0..0;
+                break;
+            }
             let (first, end) = lattice.span(row as usize);
             *base = lattice.start(row as usize) as i64 - first as i64 - across;
-            both = both.start.max(first as i64 + across)..both.end.min(end as i64 - across);
+            whole = whole.start.max(first as i64 + across)..whole.end.min(end as i64 - across);
         }
-        let is_far = |column: i64| is_far(column, columns, across, (left, right), repeats[0]);
-        let mut far = both.filter(|column| is_far(*column));
-        if let Some(first) = far.next() {
-            self.columns = first..far.next_back().unwrap_or(first) + 1;
-        }
+        let row_is_far = is_far(surroundings.free(lattice, (0, number))[1], surroundings.reach.1);
+        let columns = 0..if row_is_far { lattice.columns as i64 } else { 0 };
+        let column_is_far = |column: &i64| is_far(surroundings.free(lattice, (*column, number))[0], across);
+        let first = columns.clone().find(column_is_far).unwrap_or(0);
+        let end = columns.rev().find(column_is_far).map_or(0, |last| last + 1);
+        *self = Row { number, whole, far: first..end, bases: std::mem::take(&mut self.bases) };
     }
 }
 
@@ -112,6 +109,27 @@ impl Surroundings {
     /// Places of a row of a window.
     fn width(&self) -> usize {
         (2 * self.reach.0 + 1) as usize
+    }
+
+    /// Offsets that pairs reach along rows and along columns, one after the other.
+    fn both(&self) -> [i64; 2] {
+        [self.reach.0, self.reach.1]
+    }
+
+    /// Rows of a lattice that rows of places around a row are.
+    fn rows_around(&self, lattice: &Lattice, row: i64) -> impl Iterator<Item = i64> + use<> {
+        let Surroundings { reach: (_, along), mirrors: [.., bottom, top], repeats } = *self;
+        let rows = lattice.rows as i64;
+        (row - along..=row + along).map(move |row| reflected(row, rows, (bottom, top), repeats[1]))
+    }
+
+    /// By axis, sums of offsets that are free around a cell: see [`free`].
+    fn free(&self, lattice: &Lattice, (column, row): (i64, i64)) -> [[i64; 2]; 2] {
+        let Surroundings { reach: (across, along), mirrors: [left, right, bottom, top], repeats } = *self;
+        [
+            free(column, lattice.columns as i64, across, (left, right), repeats[0]),
+            free(row, lattice.rows as i64, along, (bottom, top), repeats[1]),
+        ]
     }
 
     /// The place of an offset from the middle.
@@ -139,6 +157,11 @@ fn free(place: i64, count: i64, reach: i64, (low, high): (bool, bool), repeats: 
     [least, if high { i64::MAX } else { 2 * (count - 1 - place) - reach }]
 }
 
+/// Whether all sums of the offsets of both ends of a pair, of at most some each, are free.
+fn is_far([least, greatest]: [i64; 2], reach: i64) -> bool {
+    least <= -2 * reach && 2 * reach <= greatest
+}
+
 impl<const L: usize> Window<L> {
     /// Windows for pairs of at most some spacings.
     pub(super) fn new(surroundings: &Surroundings, longest: usize) -> Self {
@@ -156,8 +179,7 @@ impl<const L: usize> Window<L> {
             fractions: [0.5; L],
             free: [[[0; L]; 2]; 2],
             is_clear: true,
-            is_inside: [true; L],
-            inside: Inside { row: i64::MIN, columns: 0..0, bases: vec![0; size / width] },
+            row: Row { number: i64::MIN, whole: 0..0, far: 0..0, bases: vec![0; size / width] },
             count: 0,
             near: vec![[[0.0; L]; 2]; longest + 1],
             at_front: 0.0,
@@ -176,7 +198,6 @@ impl<const L: usize> Window<L> {
         (at_front, freezing): (f64, f64),
     ) {
         self.count = fronts.len();
-        self.is_clear = true;
         match self.width {
             3 => self.see_all::<3>((lattice, surroundings), fronts, (enthalpy, freezing)),
             5 => self.see_all::<5>((lattice, surroundings), fronts, (enthalpy, freezing)),
@@ -270,85 +291,61 @@ impl<const L: usize> Window<L> {
         states: (&[f64], f64),
     ) {
         let width = if WIDTH == 0 { self.width } else { WIDTH };
-        for (lane, (cell, fraction)) in fronts.iter().enumerate() {
+        let mut are_far = true;
+        for (lane, ((column, row), fraction)) in fronts.iter().enumerate() {
             self.fractions[lane] = *fraction;
-            if self.inside.row != cell.1 {
-                self.inside.turn_to(cell.1, place);
+            if self.row.number != *row {
+                self.row.turn_to(*row, place);
             }
-            self.is_inside[lane] = self.inside.columns.contains(&cell.0);
-            if !self.is_inside[lane] {
-                self.is_clear &= self.see(lane, place, *cell, states);
+            are_far &= self.row.far.contains(column);
+            self.is_whole[lane] = self.row.whole.contains(column);
+            if !self.is_whole[lane] {
+                self.see_places(lane, place, (*column, *row), states);
                 continue;
             }
-            self.is_whole[lane] = true;
             let rows = self.enthalpies.chunks_exact_mut(width).zip(&mut self.firsts);
-            for ((enthalpies, firsts), base) in rows.zip(&self.inside.bases) {
-                let first = (base + cell.0) as usize;
+            for ((enthalpies, firsts), base) in rows.zip(&self.row.bases) {
+                let first = (base + column) as usize;
                 firsts[lane] = first as u32;
                 for (enthalpies, enthalpy) in enthalpies.iter_mut().zip(&states.0[first..first + width]) {
                     enthalpies[lane] = *enthalpy;
                 }
             }
         }
-        if !self.is_clear {
-            for lane in (0..self.count).filter(|lane| self.is_inside[*lane]) {
-                for free in &mut self.free {
-                    (free[0][lane], free[1][lane]) = (i64::MIN, i64::MAX);
-                }
-            }
-        }
+        self.is_clear = are_far || self.note_walls(place, fronts);
     }
 
-    /// Sees the particles around one, whose number in the window is `lane`; returns whether walls are far.
-    fn see(
+    /// Notes which sums of offsets are free around some freezing particles; whether all are.
+    fn note_walls(&mut self, (lattice, surroundings): (&Lattice, &Surroundings), fronts: &[Front]) -> bool {
+        let mut is_clear = true;
+        for (lane, ((column, row), _)) in fronts.iter().enumerate() {
+            let both = surroundings.free(lattice, (*column, *row));
+            for ((free, [least, greatest]), reach) in self.free.iter_mut().zip(both).zip(surroundings.both()) {
+                (free[0][lane], free[1][lane]) = (least, greatest);
+                is_clear &= is_far([least, greatest], reach);
+            }
+        }
+        is_clear
+    }
+
+    /// Sees the particles around one, whose number in the window is `lane`, place by place.
+    fn see_places(
         &mut self,
         lane: usize,
         (lattice, surroundings): (&Lattice, &Surroundings),
         (column, row): (i64, i64),
         (enthalpy, freezing): (&[f64], f64),
-    ) -> bool {
-        let Surroundings { reach: (across, along), mirrors: [left, right, bottom, top], repeats } = *surroundings;
-        let (columns, rows) = (lattice.columns as i64, lattice.rows as i64);
-        let ranges = [
-            free(column, columns, across, (left, right), repeats[0]),
-            free(row, rows, along, (bottom, top), repeats[1]),
-        ];
-        let mut is_clear = true;
-        for ((free, range), reach) in self.free.iter_mut().zip(ranges).zip([across, along]) {
-            (free[0][lane], free[1][lane]) = (range[0], range[1]);
-            is_clear &= range[0] <= -2 * reach && 2 * reach <= range[1];
-        }
-        let width = self.width;
-        let rows_of_places = || (row - along..=row + along).map(|row| reflected(row, rows, (bottom, top), repeats[1]));
-        // Mostly all rows are there, each one particle after the other.
-        let stands = |row: i64| {
-            (0..rows).contains(&row) && {
-                let (first, end) = lattice.span(row as usize);
-                column - across >= first as i64 && column + across < end as i64
-            }
-        };
-        self.is_whole[lane] = rows_of_places().all(stands);
-        let enthalpies = self.enthalpies.chunks_exact_mut(width);
-        if self.is_whole[lane] {
-            for ((enthalpies, firsts), row) in enthalpies.zip(&mut self.firsts).zip(rows_of_places()) {
-                let first = lattice.start(row as usize) + (column - across) as usize - lattice.span(row as usize).0;
-                firsts[lane] = first as u32;
-                for (enthalpies, enthalpy) in enthalpies.iter_mut().zip(&enthalpy[first..first + width]) {
-                    enthalpies[lane] = *enthalpy;
-                }
-            }
-            return is_clear;
-        }
-        let places = enthalpies.zip(self.particles.chunks_exact_mut(width));
-        for ((enthalpies, particles), row) in places.zip(rows_of_places()) {
+    ) {
+        let Surroundings { reach: (across, _), mirrors: [left, right, ..], repeats } = *surroundings;
+        let places = self.enthalpies.chunks_exact_mut(self.width).zip(self.particles.chunks_exact_mut(self.width));
+        for ((enthalpies, particles), row) in places.zip(surroundings.rows_around(lattice, row)) {
             for ((enthalpies, particles), dx) in enthalpies.iter_mut().zip(particles).zip(-across..=across) {
-                let column = reflected(column + dx, columns, (left, right), repeats[0]);
+                let column = reflected(column + dx, lattice.columns as i64, (left, right), repeats[0]);
                 let other = lattice.index(column, row);
                 particles[lane] = other.map_or(NONE, |other| other as u32);
                 enthalpies[lane] = other.map_or(freezing, |other| enthalpy[other]);
             }
         }
-        is_clear
     }
 
     /// Adds what fronts exchange to a list, front by front.
@@ -390,7 +387,7 @@ impl<const L: usize> HeapSize for Window<L> {
         let places = (self.particles.capacity() + self.firsts.capacity()) * size_of::<[u32; L]>();
         let numbers =
             self.above.capacity() + self.all_above.capacity() + self.changes.capacity() + self.enthalpies.capacity();
-        let near = self.near.capacity() * size_of::<Near<L>>() + self.inside.bases.capacity() * size_of::<i64>();
+        let near = self.near.capacity() * size_of::<Near<L>>() + self.row.bases.capacity() * size_of::<i64>();
         places + near + (numbers + self.freezing.capacity()) * size_of::<[f64; L]>()
     }
 }

@@ -240,8 +240,8 @@ impl SubCellFront {
     /// Rate (1/s) at which a freezing particle answers to its own frozen fraction, at most: all that surrounds it is as
     /// far from the freezing point as can be, and every pair as near as a front across it comes.
     ///
-    /// Of two opposite pairs, only one is that near, or both by half. What fronts at an angle add is less than the other: a
-    /// pair along which the front moves twice as fast, or heat along the front.
+    /// Of two opposite pairs, only one is that near, or both by half. Pairs at an angle to a front answer no faster than those across
+    /// it, and the heat along it is less than what is left.
     pub fn own_rate(&self) -> f64 {
         let nearest = |pair: &OwnPair| -> f64 {
             (1..=pair.cells as usize).map(|before| distance(before as f64, 0.0).powi(-2)).sum()

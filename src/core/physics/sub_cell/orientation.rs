@@ -15,7 +15,7 @@ pub(super) struct Orientation<N> {
     /// How far (spacings) the front moves while it crosses the cell: from one neighbour to the next along the axis that is
     /// nearer to the normal. Heat by the neighbours along both axes freezes a cell in just this time.
     width: N,
-    /// The least distance (spacings) along the normal, by spacings of a pair, that a pair counts as.
+    /// What part of its spacings a pair counts as along the normal at least: none, or all where the normal is not known.
     least: N,
     /// Slope of the potential across the front (W/m by spacing), by the shares of both phases in the cell.
     slope: N,
@@ -52,7 +52,7 @@ impl<N: Numbers> Orientation<N> {
         let scale = (one / size).or(is_known, zero);
         let normal = [x * scale, y * scale];
         let width = normal[0].size().or_greater(normal[1].size()).or(is_known, one);
-        let least = (half * width).or(is_known, one);
+        let least = zero.or(is_known, one);
         // The steepest on both sides.
         let [mut frozen, mut unfrozen] = [zero; 2];
         for (dx, dy) in [(1, 0), (-1, 0), (0, 1), (0, -1)] {
@@ -83,7 +83,9 @@ impl<N: Numbers> Orientation<N> {
         let along = self.normal[0] * kind.of(offset[0]) + self.normal[1] * kind.of(offset[1]);
         let share = frozen.or(is_frozen, one - frozen);
         let along = (zero - along).or(is_frozen, along);
-        let far = along.or_greater(cells * self.least);
+        // The front has left the cell of the end: it is half a width from its centre, or farther.
+        let least = (self.width * (one - share)).or_greater(cells * self.least);
+        let far = along.or_greater(least);
         let (whole, width) = (cells.or(are_two, far), one.or(are_two, self.width));
         let share = (half * share).or(are_two, share);
         let part = whole + width * (share - half);
@@ -156,5 +158,40 @@ impl<const L: usize> Window<L> {
             }
         }
         kind.load(&found)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::FRAC_PI_4;
+
+    use proptest::prelude::*;
+
+    use super::super::numbers::Portable;
+    use super::*;
+
+    proptest! {
+        /// To a plane front at any angle, each pair carries the heat that flows along it through the phase of its end.
+        #[test]
+        fn a_pair_carries_what_flows_to_a_plane_front(
+            angle in -FRAC_PI_4..FRAC_PI_4, (dx, dy) in (-3..=3_i32, -3..=3_i32), frozen in 0.0..1.0_f64, is_frozen in any::<bool>(),
+        ) {
+            let normal = [angle.cos(), angle.sin()];
+            let one = |number: f64| Portable.load(&[number]);
+            let width = normal[0];
+            let lies =
+                Orientation { normal: normal.map(one), width: one(width), least: one(0.0), slope: one(0.0) };
+            let (offset, cells) = ([f64::from(dx), f64::from(dy)], f64::from(dx.abs().max(dy.abs())));
+            // Of an end on the frozen side the front lies ahead, of one on the other side behind.
+            let (share, ahead) = if is_frozen { (frozen, -1.0) } else { (1.0 - frozen, 1.0) };
+            let along = ahead * (normal[0] * offset[0] + normal[1] * offset[1]);
+            let distance = along + width * (share - 0.5);
+            // Nearer ends are not all in their phase yet.
+            prop_assume!(cells > 0.0 && distance >= 0.5 * width);
+            let carried = lies.carried(Portable, (offset, cells), (one(ahead * distance), one(0.0)), one(frozen));
+            let mut flows = [0.0];
+            Portable.store(carried, &mut flows);
+            prop_assert!((flows[0] * distance - along).abs() < 1e-12, "{} for {along}", flows[0] * distance);
+        }
     }
 }

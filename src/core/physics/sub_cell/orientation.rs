@@ -63,7 +63,7 @@ impl<N: Numbers> Orientation<N> {
         }
         let rest = one - fractions;
         let slope = fractions * (frozen / (half + fractions)) + rest * (unfrozen / (half + rest));
-        Orientation { normal, width, least, slope: slope.or(least.is_less(one), zero) }
+        Orientation { normal, width, least, slope: slope.or(is_known, zero) }
     }
 
     /// How many times as much as the plain one a pair to an offset carries, over so many spacings, by the potential of its
@@ -88,8 +88,7 @@ impl<N: Numbers> Orientation<N> {
         let far = along.or_greater(least);
         let (whole, width) = (cells.or(are_two, far), one.or(are_two, self.width));
         let share = (half * share).or(are_two, share);
-        let part = whole + width * (share - half);
-        whole / part.or_greater(whole * (half / cells))
+        whole / (whole + width * (share - half))
     }
 
     /// Heat by weight (W/m) that comes along a front, from another cell that it crosses, by the frozen fractions of both: half

@@ -196,6 +196,16 @@ struct Hold {
     smoothing: f64,
 }
 
+/// How far the heat of a pipe is spread.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Delta {
+    /// As little as leaves a resistance.
+    Narrow,
+    /// So far, where there is room, that it flattens the field around the pipe as much as the stencil makes it steeper, or more: a
+    /// front within the horizon of the pipe gets too much heat otherwise.
+    Flat,
+}
+
 /// Joins a pipe to the particles of a lattice, if it lies in their sector. `mirrors` tells for x and y whether the axis is a
 /// mirror plane.
 ///
@@ -206,7 +216,7 @@ pub fn immerse(
     ring: usize,
     lattice: &Lattice,
     mirrors: (bool, bool),
-    green: &Green,
+    (green, width): (&Green, Delta),
 ) -> Result<Option<Sink>, PipeError> {
     let centre = DVec2::new(pipe.x, pipe.y);
     let tolerance = 1e-9 * (centre.length() + lattice.spacing);
@@ -218,7 +228,7 @@ pub fn immerse(
         if on_plane(mirrors.0, centre.x) { 0.5 } else { 1.0 } * if on_plane(mirrors.1, centre.y) { 0.5 } else { 1.0 };
     let (hold, radius) = match pipe.one_particle {
         true => (hold_one(pipe, lattice, green)?, 0.0),
-        false => (spread(pipe, lattice, mirrors, green)?, pipe.radius),
+        false => (spread(pipe, lattice, mirrors, (green, width))?, pipe.radius),
     };
     let smoothing = hold.smoothing * lattice.spacing * lattice.spacing;
     Ok(Some(Sink {
@@ -241,9 +251,15 @@ fn hold_one(pipe: &Pipe, lattice: &Lattice, green: &Green) -> Result<Hold, PipeE
     Ok(Hold { sample, resistance: HELD_RESISTANCE, half_width: 1.0, smoothing: -green.spread })
 }
 
-/// The hold of a pipe on particles around it, by the narrowest delta that leaves a resistance.
-fn spread(pipe: &Pipe, lattice: &Lattice, mirrors: (bool, bool), green: &Green) -> Result<Hold, PipeError> {
+/// The hold of a pipe on particles around it, by the narrowest delta that leaves a resistance, or one that is flat.
+fn spread(
+    pipe: &Pipe,
+    lattice: &Lattice,
+    mirrors: (bool, bool),
+    (green, width): (&Green, Delta),
+) -> Result<Hold, PipeError> {
     let centre = lattice.to_cells(DVec2::new(pipe.x, pipe.y));
+    let mut narrowest = None;
     for stretch in STRETCHES {
         let cells = delta(centre, stretch);
         let widest = cells
@@ -264,11 +280,18 @@ fn spread(pipe: &Pipe, lattice: &Lattice, mirrors: (bool, bool), green: &Green) 
         // (1 - M k^2 / 4) (1/k^2 + c) for 1/k^2, M the second moment of the delta.
         let moment: f64 =
             cells.iter().map(|((x, y), a)| a * DVec2::new(*x as f64, *y as f64).distance_squared(centre)).sum();
-        let sample = folded(&cells, lattice, mirrors).ok_or_else(|| outside(pipe, lattice, stretch))?;
         let smoothing = 0.25 * moment / green.conducts() - green.spread;
-        return Ok(Hold { sample, resistance, half_width: 2.0 * stretch, smoothing });
+        let Some(sample) = folded(&cells, lattice, mirrors) else {
+            return narrowest.ok_or_else(|| outside(pipe, lattice, stretch));
+        };
+        let hold = Hold { sample, resistance, half_width: 2.0 * stretch, smoothing };
+        if width == Delta::Narrow || smoothing >= 0.0 {
+            return Ok(hold);
+        }
+        narrowest = narrowest.or(Some(hold));
     }
-    Err(PipeError::TooWide { radius: pipe.radius, spacing: lattice.spacing, needed: pipe.radius / 6.0 })
+    let too_wide = PipeError::TooWide { radius: pipe.radius, spacing: lattice.spacing, needed: pipe.radius / 6.0 };
+    narrowest.ok_or(too_wide)
 }
 
 /// Particles and weights of cells, those behind mirror planes with their images; none if one lies outside.

@@ -95,9 +95,9 @@ impl SubCellFront {
         let reach = (across, if lattice.dimension == 1 { 0 } else { across });
         let surroundings = Surroundings { reach, mirrors: extent.mirrors, repeats: extent.repeats };
         let pairs = Pairs::new(stencil, &surroundings, &extent);
-        let longest = pairs.longest;
-        let several = (lattice.dimension > 1).then(|| Window::new(&surroundings, longest));
-        let one = Window::new(&surroundings, longest);
+        let numbers = (pairs.ends.len(), pairs.spans.len());
+        let several = (lattice.dimension > 1).then(|| Window::new(&surroundings, numbers));
+        let one = Window::new(&surroundings, numbers);
         let changes = Changes::with_room(2 * one.changes.len() * (lattice.columns + lattice.rows));
         SubCellFront {
             phases: Phases::new(lattice.len()),

@@ -3,10 +3,10 @@
 use frazil_core::bonds::stencil::Stencil;
 use frazil_core::boundary::green::Green;
 use frazil_core::boundary::patch::{Boundary, Side};
-use frazil_core::boundary::pipe::{Sink, green_reach, immerse, radius_of_one_particle};
+use frazil_core::boundary::pipe::{Delta, Sink, green_reach, immerse, radius_of_one_particle};
 use frazil_core::space::lattice::Lattice;
 use frazil_record::plain;
-use frazil_scene::Scene;
+use frazil_scene::{Front, Scene};
 
 use crate::refused::Refused;
 
@@ -26,12 +26,15 @@ pub(super) fn pipes(
     scene: &Scene,
     lattice: &Lattice,
     boundary: &Boundary,
-    stencil: &Stencil,
+    (stencil, front): (&Stencil, Front),
 ) -> Result<Pipes, Refused> {
     if scene.rings.is_empty() {
         return Ok(Pipes::default());
     }
     let mirrors = (boundary.sides[0] == Side::Mirror, boundary.sides[2] == Side::Mirror);
+    // Barriers and excavations keep clear of the delta: it should not grow where they are.
+    let is_alone = !scene.has_barriers() && boundary.dug.is_none();
+    let width = if is_alone && front == Front::SubCell { Delta::Flat } else { Delta::Narrow };
     let mut sinks = Vec::new();
     let mut acting = Vec::new();
     for (number, ring) in scene.rings.iter().enumerate() {
@@ -48,7 +51,7 @@ pub(super) fn pipes(
             ));
         }
         for pipe in ring.pipes() {
-            let sink = immerse(&pipe, number, lattice, mirrors, &green)?;
+            let sink = immerse(&pipe, number, lattice, mirrors, (&green, width))?;
             sinks.extend(sink);
         }
     }

@@ -119,7 +119,7 @@ impl Prepared {
         if materials.mixed() {
             differences.extend(layers::unresolved(scene, numerics, &lattice, &stencil, &materials.thermals));
         }
-        let Pipes { sinks, acting } = pipes(scene, &lattice, &boundary, &stencil)?;
+        let Pipes { sinks, acting } = pipes(scene, &lattice, &boundary, (&stencil, numerics.front))?;
         differences.extend(acting);
         let start = start::without_displaced(start, &sinks, &materials, &volumes, count);
         differences.extend(random::unresolved(scene, lattice.spacing));

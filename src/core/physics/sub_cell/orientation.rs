@@ -80,7 +80,7 @@ impl<N: Numbers> Orientation<N> {
         let (zero, half, one, cells) = (kind.of(0.0), kind.of(0.5), kind.of(1.0), kind.of(cells));
         let are_two = zero.is_less(above * beyond);
         let is_frozen = above.is_less(zero);
-        let along = self.normal[0] * kind.of(offset[0]) + self.normal[1] * kind.of(offset[1]);
+        let along = self.along_normal(kind, offset);
         let share = frozen.or(is_frozen, one - frozen);
         let along = (zero - along).or(is_frozen, along);
         // The front has left the cell of the end: it is half a width from its centre, or farther.
@@ -91,8 +91,46 @@ impl<N: Numbers> Orientation<N> {
         whole / (whole + width * (share - half))
     }
 
+    /// Spacings that pairs over an offset go along the normal from the frozen to the unfrozen side, one way and the other.
+    #[inline(always)]
+    pub(super) fn spans<const L: usize>(
+        &self,
+        kind: impl Kind<L, Numbers = N, Flags = N::Flags>,
+        offset: [f64; 2],
+    ) -> [N; 2] {
+        let (zero, along) = (kind.of(0.0), self.along_normal(kind, offset));
+        [along.or_greater(zero), (zero - along).or_greater(zero)]
+    }
+
+    #[inline(always)]
+    fn along_normal<const L: usize>(&self, kind: impl Kind<L, Numbers = N, Flags = N::Flags>, offset: [f64; 2]) -> N {
+        self.normal[0] * kind.of(offset[0]) + self.normal[1] * kind.of(offset[1])
+    }
+
+    /// Heat by weight (W/m) that comes to the front over a spacing from the end of a pair, by its offset, its spacings along the
+    /// axis of the pair, and its potential above that of the front: over a spacing of the normal, or, where that is not known, or two
+    /// fronts move toward each other, of the axis.
+    #[inline(always)]
+    pub(super) fn flows<const L: usize>(
+        &self,
+        kind: impl Kind<L, Numbers = N, Flags = N::Flags>,
+        (offset, cells): ([f64; 2], f64),
+        (above, are_two): (N, N::Flags),
+        frozen: N,
+    ) -> [N; 2] {
+        let (zero, half, one) = (kind.of(0.0), kind.of(0.5), kind.of(1.0));
+        let (is_frozen, along) = (above.is_less(zero), self.along_normal(kind, offset));
+        let share = frozen.or(is_frozen, one - frozen);
+        // The front has left the cell of the end: it is half a width from its centre, or farther.
+        let along = (zero - along).or(is_frozen, along).or_greater(self.width * (one - share));
+        let by_normal = !are_two & self.least.is_less(half);
+        let by_axis = kind.of(cells - 0.5) + (half * share).or(are_two, share);
+        let flow = above / (along + self.width * (share - half)).or(by_normal, by_axis);
+        [flow.or(by_normal, zero), zero.or(by_normal, flow)]
+    }
+
     /// Heat by weight (W/m) that comes along a front, from another cell that it crosses, by the frozen fractions of both: half
-    /// of what both exchange, the other half is that of the other front. None comes from a front that lies ahead or behind.
+    /// of what both exchange, the other half is that of the other front.
     #[inline(always)]
     pub(super) fn along<const L: usize>(
         &self,
@@ -100,11 +138,26 @@ impl<N: Numbers> Orientation<N> {
         offset: [f64; 2],
         (frozen, other): (N, N),
     ) -> N {
-        let along = self.normal[0] * kind.of(offset[0]) + self.normal[1] * kind.of(offset[1]);
+        let along = self.along_normal(kind, offset);
         let beside = kind.of(4.0) - kind.of(4.0) * along.size() / self.width;
         let (zero, one) = (kind.of(0.0), kind.of(1.0));
         let beside = one.or_less(beside.or_greater(zero));
         kind.of(0.5) * self.slope * (frozen - other) * beside
+    }
+
+    /// The part of the heat that comes to a cell on the way of a pair which is that of the next cell on the way, by the frozen
+    /// fractions of both: the front cuts the pair between their centres, on average.
+    #[inline(always)]
+    pub(super) fn part_of_next<const L: usize>(
+        &self,
+        kind: impl Kind<L, Numbers = N, Flags = N::Flags>,
+        (frozen, other): (N, N),
+        above: N,
+    ) -> N {
+        let (zero, half, one) = (kind.of(0.0), kind.of(0.5), kind.of(1.0));
+        let both = frozen + other;
+        let both = both.or(above.is_less(zero), one + one - both);
+        one.or_less((both - half).or_greater(zero))
     }
 }
 
@@ -137,6 +190,25 @@ impl<const L: usize> Window<L> {
         let above = kind.of(unfrozen) - kind.load(&self.enthalpies[place]);
         let fraction = above * kind.of(1.0 / (unfrozen - frozen));
         kind.of(1.0).or_less(kind.of(0.0).or_greater(fraction))
+    }
+
+    /// Where the front at a place is another one than that which an end with such a potential above it sees first: behind the place there is
+    /// more again of the phase of the end.
+    #[inline(always)]
+    pub(super) fn meets<K: Kind<L>>(
+        &self,
+        kind: K,
+        above: K::Numbers,
+        [place, behind]: [u32; 2],
+        interval: (f64, f64),
+    ) -> K::Flags {
+        let (zero, behind) = (kind.of(0.0), behind as usize);
+        let missing = !kind.load(&self.above[behind]).differs(zero) & !kind.flags(&self.freezing[behind]);
+        let here = self.frozen_fraction(kind, place as usize, interval);
+        let behind = self.frozen_fraction(kind, behind, interval);
+        let is_frozen = above.is_less(zero);
+        let [less, more] = [here.or(is_frozen, behind), behind.or(is_frozen, here)];
+        !missing & (less + kind.of(KNOWN)).is_less(more)
     }
 
     /// The same. Where there is no particle they go on as from the opposite place to the middle.

@@ -1,7 +1,10 @@
 //! How what fronts add follows small changes of the state.
 
 use super::SubCellFront;
-use super::pairs::{OwnPair, distance};
+use super::exchange::opposite;
+use super::numbers::{Flags as _, Portable};
+use super::pairs::{Cut, End, distance};
+use super::window::Window;
 use crate::memory::HeapSize;
 use crate::physics::laws::Laws;
 use crate::space::lattice::Lattice;
@@ -43,46 +46,31 @@ impl SubCellFront {
             front.one.note_phases(&front.faces);
             slopes[particle] = steepest(particle);
             front.tangent.freezing.push((particle as u32, 1.0 / slopes[particle]));
-            front.exchange_changes(-1.0 / (sharp.interval.1 - sharp.interval.0));
+            front.exchange_changes(sharp.interval);
         });
     }
 
     /// How what the front in the middle of the window exchanges follows the potentials around it, and the enthalpy of its own
-    /// particle, with which the frozen fraction goes by `slope` (m3/J).
-    fn exchange_changes(&mut self, slope: f64) {
+    /// particle, which freezes between two (J/m3).
+    fn exchange_changes(&mut self, interval: (f64, f64)) {
+        let slope = -1.0 / (interval.1 - interval.0);
         let FrontTangent { freezing, by_potential, by_enthalpy, .. } = &mut self.tangent;
         let (window, pairs) = (&self.one, &self.pairs);
-        let [fraction] = window.fractions;
-        let (middle, own) = (window.above.len() / 2, freezing.len() as u32 - 1);
-        let name = |place: usize| window.particle(place, 0);
-        let seen = |place: u32| window.above[place as usize][0];
-        for OwnPair { other, opposite, cells, weight, .. } in &pairs.own {
-            let (above, beyond, other, cells) = (seen(*other), seen(*opposite), *other as usize, *cells);
-            if above != 0.0 {
-                let (share, grows) = if above < 0.0 { (fraction, 1.0) } else { (1.0 - fraction, -1.0) };
-                let fronts = if above * beyond > 0.0 { 2.0 } else { 1.0 };
-                let far = distance(cells, share / fronts);
-                let by_above = weight * (cells / far - 1.0);
-                let by_fraction = -weight * above * cells / (far * far) * grows / fronts * slope;
-                by_potential.extend([(name(other), name(other), -by_above), (name(middle), name(other), by_above)]);
-                by_enthalpy.extend([(name(other), own, -by_fraction), (name(middle), own, by_fraction)]);
-            }
+        let mut flows = Flows { window, by_potential, by_enthalpy, own: freezing.len() as u32 - 1, slope };
+        for pair in pairs.own.iter().filter(|pair| pair.cells < 2.0) {
+            flows.add_straight(pair.other, pair.cells, pair.weight);
         }
-        for pair in &pairs.over {
-            let (below, above) = (seen(pair.frozen), seen(pair.unfrozen));
-            if pairs.is_taken(pair, window) {
-                let carried = pair.weight * pair.cells as f64;
-                let near = distance(pair.before as f64, fraction);
-                let far = distance((pair.cells - pair.before) as f64, 1.0 - fraction);
-                let (cold, warm, direct) = (carried / near, carried / far, pair.weight);
-                let rows = [name(pair.frozen as usize), name(pair.unfrozen as usize), name(middle)];
-                for (row, (by_below, by_above)) in
-                    rows.into_iter().zip([(direct - cold, -direct), (-direct, direct - warm), (cold, warm)])
-                {
-                    by_potential.extend([(row, rows[0], by_below), (row, rows[1], by_above)]);
+        for (number, cut) in pairs.cuts.iter().enumerate() {
+            let is_over = number >= pairs.own_cuts;
+            let Cut { end, other, weight, number, cells, .. } = *cut;
+            if !cut.is_made(Portable, pairs, (window, interval), !is_over).any() {
+                if !is_over && !window.is_clear && !window.is_free(Portable, cut.sums).any() {
+                    flows.add_straight(end, cells, weight);
                 }
-                let (cold, warm) = (-cold * below / near * slope, warm * above / far * slope);
-                by_enthalpy.extend([(rows[0], own, -cold), (rows[1], own, -warm), (rows[2], own, cold + warm)]);
+            } else {
+                flows.add((end, other), end, -weight);
+                let End { before, cells: to_end, .. } = pairs.ends[number as usize];
+                flows.add_to_front((end, before), to_end, weight * cells);
             }
         }
     }
@@ -106,6 +94,56 @@ impl SubCellFront {
         }
         for (row, number, factor) in by_enthalpy {
             rates[*row as usize] += factor * kept[*number as usize];
+        }
+    }
+}
+
+/// How heat that flows between particles around a front follows their potentials, and the frozen fraction of the front.
+struct Flows<'a> {
+    window: &'a Window<1>,
+    by_potential: &'a mut Vec<(u32, u32, f64)>,
+    by_enthalpy: &'a mut Vec<(u32, u32, f64)>,
+    /// Which of the freezing particles the front is in.
+    own: u32,
+    /// How its frozen fraction goes with its enthalpy (m3/J).
+    slope: f64,
+}
+
+impl Flows<'_> {
+    fn name(&self, place: u32) -> u32 {
+        self.window.particle(place as usize, 0)
+    }
+
+    fn middle(&self) -> u32 {
+        self.window.above.len() as u32 / 2
+    }
+
+    /// Heat from one place to another that goes by the potential of a place, with a factor (m^-2).
+    fn add(&mut self, (from, to): (u32, u32), by: u32, factor: f64) {
+        let (from, to, by) = (self.name(from), self.name(to), self.name(by));
+        self.by_potential.extend([(from, by, -factor), (to, by, factor)]);
+    }
+
+    /// Heat from a place, so many spacings before the middle, with another place next to the middle on its way, to the front, by a
+    /// factor (m^-2) over a spacing.
+    fn add_to_front(&mut self, (place, before): (u32, u32), spacings: f64, factor: f64) {
+        let seen = |place: u32| self.window.above[place as usize][0];
+        let (above, [fraction]) = (seen(place), self.window.fractions);
+        let (share, grows) = if above < 0.0 { (fraction, 1.0) } else { (1.0 - fraction, -1.0) };
+        let are_two = seen(before) * seen(opposite(self.window.above.len(), before)) > 0.0;
+        let fronts = if are_two { 2.0 } else { 1.0 };
+        let far = distance(spacings, share / fronts);
+        self.add((place, self.middle()), place, factor / far);
+        let by_fraction = -factor * above / (far * far) * grows / fronts * self.slope;
+        let (from, to) = (self.name(place), self.name(self.middle()));
+        self.by_enthalpy.extend([(from, self.own, -by_fraction), (to, self.own, by_fraction)]);
+    }
+
+    /// What a pair of the middle over so many spacings exchanges more than plainly, by its weight (m^-2).
+    fn add_straight(&mut self, place: u32, cells: f64, weight: f64) {
+        if self.window.above[place as usize][0] != 0.0 {
+            self.add((place, self.middle()), place, -weight);
+            self.add_to_front((place, place), cells, weight * cells);
         }
     }
 }

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::changes::Changes;
 use super::faces::Faces;
-use super::pairs::Near;
+use super::numbers::Kind;
 use crate::memory::HeapSize;
 use crate::physics::laws::Laws;
 use crate::space::lattice::Lattice;
@@ -46,8 +46,10 @@ pub(super) struct Window<const L: usize> {
     row: Row,
     /// How many freezing particles there are; what lies around the others is empty.
     pub(super) count: usize,
-    /// How near the fronts are, by spacings from the middle.
-    pub(super) near: Vec<Near<L>>,
+    /// Heat by weight (W/m) that comes to the fronts over a spacing from each end of pairs that they cut, of the normal or of an axis.
+    pub(super) flows: Vec<[[f64; L]; 2]>,
+    /// Spacings that pairs which they cut go along the normal, one way and the other.
+    pub(super) spans: Vec<[[f64; L]; 2]>,
     /// Potential (W/m) of the fronts.
     at_front: f64,
     /// Enthalpies (J/m3) of the particles.
@@ -163,8 +165,8 @@ fn is_far([least, greatest]: [i64; 2], reach: i64) -> bool {
 }
 
 impl<const L: usize> Window<L> {
-    /// Windows for pairs of at most some spacings.
-    pub(super) fn new(surroundings: &Surroundings, longest: usize) -> Self {
+    /// Windows for pairs with so many ends, which go over so many spans.
+    pub(super) fn new(surroundings: &Surroundings, (ends, spans): (usize, usize)) -> Self {
         let (size, width) = (surroundings.size(), surroundings.width());
         Window {
             width,
@@ -181,7 +183,8 @@ impl<const L: usize> Window<L> {
             is_clear: true,
             row: Row { number: i64::MIN, whole: 0..0, far: 0..0, bases: vec![0; size / width] },
             count: 0,
-            near: vec![[[0.0; L]; 2]; longest + 1],
+            flows: vec![[[0.0; L]; 2]; ends],
+            spans: vec![[[0.0; L]; 2]; spans],
             at_front: 0.0,
             enthalpies: vec![[0.0; L]; size],
         }
@@ -328,6 +331,20 @@ impl<const L: usize> Window<L> {
         is_clear
     }
 
+    /// Where no wall that heat passes makes an image of one end of a pair for the other, by the sums of the offsets of both.
+    #[inline(always)]
+    pub(super) fn is_free<K: Kind<L>>(&self, kind: K, sums: [i64; 2]) -> K::Flags {
+        let mut is_free = [0; L];
+        for lane in 0..L {
+            let within = |axis: usize| {
+                let [least, greatest] = self.free[axis];
+                least[lane] <= sums[axis] && sums[axis] <= greatest[lane]
+            };
+            is_free[lane] = if within(0) && within(1) { u64::MAX } else { 0 };
+        }
+        kind.flags(&is_free)
+    }
+
     /// Sees the particles around one, whose number in the window is `lane`, place by place.
     fn see_places(
         &mut self,
@@ -387,7 +404,8 @@ impl<const L: usize> HeapSize for Window<L> {
         let places = (self.particles.capacity() + self.firsts.capacity()) * size_of::<[u32; L]>();
         let numbers =
             self.above.capacity() + self.all_above.capacity() + self.changes.capacity() + self.enthalpies.capacity();
-        let near = self.near.capacity() * size_of::<Near<L>>() + self.row.bases.capacity() * size_of::<i64>();
-        places + near + (numbers + self.freezing.capacity()) * size_of::<[f64; L]>()
+        let flows = (self.flows.capacity() + self.spans.capacity()) * size_of::<[[f64; L]; 2]>()
+            + self.row.bases.capacity() * size_of::<i64>();
+        places + flows + (numbers + self.freezing.capacity()) * size_of::<[f64; L]>()
     }
 }

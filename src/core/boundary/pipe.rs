@@ -456,3 +456,6 @@ impl Sink {
         self.sample.iter().map(move |(index, weight)| (*index as usize, weight * weight * scale))
     }
 }
+
+#[cfg(test)]
+mod tests;

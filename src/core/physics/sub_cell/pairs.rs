@@ -72,7 +72,8 @@ pub(super) struct Pairs {
     pub(super) ways: Vec<u32>,
     /// Whether fronts may lie at any angle.
     pub(super) turned: bool,
-    /// Whether it is known of both ends of a pair in one phase if they are on either side of a front.
+    /// Whether pairs are cut whose ends are in one phase, or by one of two fronts that meet: where it is known which way fronts go, or they
+    /// go along an axis.
     pub(super) meeting: bool,
 }
 
@@ -118,11 +119,11 @@ impl Cut {
         let in_question = if ends_here {
             there & !made
         } else {
-            // Where there is no particle at the other end, there is no pair.
+            // Where there is no particle at the other end, there is no pair; one in the same phase counts where fronts may meet.
             let freezing = kind.flags(&window.freezing[self.other as usize]);
             let other = kind.load(&window.above[self.other as usize]);
-            let meets = if pairs.meeting { other.differs(kind.of(0.0)) } else { (end * other).is_less(kind.of(0.0)) };
-            made = made & !(!freezing & !meets);
+            let counts = if pairs.meeting { other.differs(kind.of(0.0)) } else { (end * other).is_less(kind.of(0.0)) };
+            made = made & !(!freezing & !counts);
             made & freezing
         };
         if in_question.any() {

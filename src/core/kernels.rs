@@ -11,6 +11,7 @@ pub mod flows;
 mod gravity;
 pub mod irregular;
 pub mod lattice;
+mod lattice_bands;
 pub mod lattice_parts;
 mod lattice_tangent;
 pub mod list_parts;

@@ -6,7 +6,7 @@ use crate::bonds::stencil::Stencil;
 use crate::boundary::patch::{Boundary, Face, Side};
 use crate::boundary::pipe::Sink;
 use crate::kernels::exterior::{Exterior, WallSlopes};
-use crate::kernels::sweep::{Shape, Surroundings};
+use crate::kernels::sweep::{Behind, EndWeights, Ends, Shape, Surroundings};
 use crate::physics::latent_heat::Materials;
 use crate::physics::laws::Laws;
 use crate::physics::thermal::Thermal;
@@ -34,6 +34,8 @@ pub(super) struct Around<L> {
     pub(super) patch_weights: Vec<f64>,
     /// Weight with which a particle of a row reaches all ghosts of a column wall: by its distance from the wall.
     pub(super) patch_own: Vec<f64>,
+    /// The ends of a line, where ghosts behind both are images.
+    pub(super) ends: Option<Ends>,
 }
 
 /// [`Around::patch_weights`] and [`Around::patch_own`] of a stencil on rows of `columns` particles.
@@ -77,6 +79,25 @@ impl<L: Laws> Around<L> {
             let thermal = &self.materials.thermals[self.material_at[patch] as usize];
             self.faces[patch] = wall.face(time, &thermal.curve, thermal.zero_potential);
         }
+        if all || self.ends.is_some() && boundary.patches.iter().any(|wall| wall.changes) {
+            self.ends = self.find_ends();
+        }
+    }
+
+    /// [`Around::ends`] by the faces of now.
+    pub(super) fn find_ends(&self) -> Option<Ends> {
+        let behind = |side: usize| match (self.sides[side], self.face(side)) {
+            (Side::Curved | Side::Periodic, _) => None,
+            (_, Face::Even) => Some(Behind { sign: 1.0, shift: 0.0 }),
+            (_, Face::Odd { wall, .. }) => Some(Behind { sign: -1.0, shift: 2.0 * wall }),
+            (_, Face::Held { wall, .. }) => Some(Behind { sign: 0.0, shift: *wall }),
+            _ => None,
+        };
+        let behind = if self.lattice.dimension == 1 { [behind(0)?, behind(1)?] } else { return None };
+        // Of its only row the first part is that of all rows.
+        let first = |weights: &[f64]| std::array::from_fn(|k| weights.get(k).copied().unwrap_or(0.0));
+        let weights = EndWeights { of_ghosts: first(&self.patch_weights), of_particles: first(&self.patch_own) };
+        Some(Ends { behind, open: [self.open[0], self.open[1]], weights })
     }
 
     /// Brings a curved wall to a state.
@@ -284,6 +305,11 @@ impl<L: Laws> Surroundings for Around<L> {
     #[inline]
     fn has_patches(&self) -> bool {
         self.open.iter().any(|open| *open)
+    }
+
+    #[inline(always)]
+    fn ends(&self) -> Option<&Ends> {
+        self.ends.as_ref()
     }
 }
 

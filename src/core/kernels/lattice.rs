@@ -6,6 +6,7 @@ use crate::kernels::around::{Around, patch_weights};
 use crate::kernels::corner::{CornerPair, lattice_pairs};
 use crate::kernels::exterior::Exterior;
 use crate::kernels::irregular::IrregularRows;
+use crate::kernels::lattice_bands::{share, threads};
 use crate::kernels::lattice_parts::{LatticeParts, Stiffness, bands};
 use crate::kernels::sweep::{Band, Frame, Shape, Weights, sweep};
 use crate::kernels::target::{self, Beside, Chained, InPlace, Target};
@@ -22,9 +23,6 @@ use crate::solvers::kept::Kept;
 use crate::solvers::step::Clock;
 use crate::space::lattice::Lattice;
 use crate::team::Team;
-
-/// Particles that each thread must have to itself: a step of fewer is over before they are shared.
-pub const PARTICLES_PER_THREAD: usize = 16_384;
 
 /// The operator, monomorphised over the laws of its particles.
 pub struct LatticeBalance<L> {
@@ -43,6 +41,8 @@ pub struct LatticeBalance<L> {
     pub(super) observed: Option<Box<IrregularRows>>,
     pub(super) bands: Vec<Band>,
     pub(super) row_patches: Vec<[f64; 4]>,
+    /// Whether the stencil and walls that do not change are all there is, and one band.
+    pub(super) is_bare: bool,
     pub(super) team: Option<Team>,
     /// Volume of a particle (m^d).
     pub(super) volume: f64,
@@ -69,6 +69,7 @@ impl<L: Laws> LatticeBalance<L> {
             walls_meet: (open[0] || open[1]) && (open[2] || open[3]),
             faces: boundary.patches.iter().map(|_| Face::Even).collect(),
             slopes: None,
+            ends: None,
             exterior: Exterior::new((&lattice, shape), &stencil, &boundary, (&materials, parts.front.is_some())),
             patch_weights,
             patch_own,
@@ -94,6 +95,14 @@ impl<L: Laws> LatticeBalance<L> {
         };
         let derived = stiffness.bound();
         let bands = bands(&around.lattice, threads(&team, &around), shape);
+        let is_bare = parts.sinks.is_empty()
+            && corners.is_empty()
+            && parts.front.is_none()
+            && parts.irregular.is_none()
+            && around.exterior.is_none()
+            && boundary.patches.iter().all(|wall| !wall.changes)
+            && boundary.patches.len() == boundary.sides.iter().filter(|side| matches!(side, Side::Wall(_))).count()
+            && shape.reach_rows == 0;
         let potential = |sink: &Sink| sink.own_potential(0.0, around.thermal_at_sink(sink));
         let walls = boundary.patches.iter().map(|patch| Source::Patch(patch.id));
         let facts = BalanceFacts {
@@ -115,6 +124,7 @@ impl<L: Laws> LatticeBalance<L> {
             irregular: parts.irregular,
             observed: parts.observed,
             row_patches: vec![[0.0; 4]; around.lattice.rows],
+            is_bare,
             team: if bands.len() > 1 { team } else { None },
             bands,
             facts,
@@ -126,8 +136,15 @@ impl<L: Laws> LatticeBalance<L> {
     }
 
     /// Brings ghosts, pipes and the rows around each band to the given state.
-    #[inline]
+    #[inline(always)]
     fn prepare(&mut self, enthalpy: &[f64], time: f64) {
+        // What is not there need not be asked for one by one: a short line is made in less time.
+        if !self.is_bare {
+            self.prepare_all(enthalpy, time);
+        }
+    }
+
+    fn prepare_all(&mut self, enthalpy: &[f64], time: f64) {
         let around = &mut self.around;
         around.update_faces(&self.boundary, time, false);
         around.update_exterior(&self.boundary, enthalpy);
@@ -177,8 +194,8 @@ impl<L: Laws> LatticeBalance<L> {
     }
 
     /// Sweeps all bands; `targets` holds one target for each.
-    #[inline]
-    fn sweep<T: Target + Send>(&mut self, targets: &mut [T]) {
+    #[inline(always)]
+    pub(super) fn sweep<T: Target + Send>(&mut self, targets: &mut [T]) {
         let around = &self.around;
         let frame = Frame {
             shape: around.shape,
@@ -188,18 +205,7 @@ impl<L: Laws> LatticeBalance<L> {
             surroundings: around,
         };
         match &self.team {
-            Some(team) => {
-                let mut rest = self.row_patches.as_mut_slice();
-                let of_band = |(band, target)| {
-                    let band: &mut Band = band;
-                    let (patches, later) = std::mem::take(&mut rest).split_at_mut(band.rows.1 - band.rows.0);
-                    rest = later;
-                    (band, target, patches)
-                };
-                let parts: Vec<(&mut Band, &mut T, &mut [[f64; 4]])> =
-                    self.bands.iter_mut().zip(targets).map(of_band).collect();
-                team.share(parts.into_iter(), |(band, target, patches)| sweep(&frame, band, target, patches));
-            }
+            Some(team) => share(team, &frame, &mut self.bands, targets, &mut self.row_patches),
             None => sweep(&frame, &mut self.bands[0], &mut targets[0], &mut self.row_patches),
         }
     }
@@ -213,15 +219,7 @@ impl<L: Laws> LatticeBalance<L> {
         if let [_] = self.bands.as_slice() {
             self.sweep(&mut [InPlace { enthalpy, step }]);
         } else {
-            let mut targets: Vec<InPlace<'_>> = Vec::with_capacity(self.bands.len());
-            let mut rest = &mut enthalpy[..];
-            for band in &self.bands {
-                let count = self.around.lattice.start(band.rows.1) - self.around.lattice.start(band.rows.0);
-                let (own, later) = rest.split_at_mut(count);
-                targets.push(InPlace { enthalpy: own, step });
-                rest = later;
-            }
-            self.sweep(&mut targets);
+            self.euler_in_bands(enthalpy, step);
         }
         self.complete(enthalpy, step);
     }
@@ -233,16 +231,7 @@ impl<L: Laws> LatticeBalance<L> {
         if let [_] = self.bands.as_slice() {
             self.sweep(&mut [target::Kept { enthalpy, lost, step }]);
         } else {
-            let mut targets: Vec<target::Kept<'_>> = Vec::with_capacity(self.bands.len());
-            let (mut rest, mut rest_lost) = (&mut enthalpy[..], &mut lost[..]);
-            for band in &self.bands {
-                let count = self.around.lattice.start(band.rows.1) - self.around.lattice.start(band.rows.0);
-                let (own, later) = rest.split_at_mut(count);
-                let (own_lost, later_lost) = rest_lost.split_at_mut(count);
-                targets.push(target::Kept { enthalpy: own, lost: own_lost, step });
-                (rest, rest_lost) = (later, later_lost);
-            }
-            self.sweep(&mut targets);
+            self.keeping_in_bands(enthalpy, lost, step);
         }
         if let Some(front) = &self.front {
             front.add_keeping(enthalpy, lost, step);
@@ -265,25 +254,6 @@ impl<L: Laws> LatticeBalance<L> {
         self.complete(columns.oldest, stage.rate);
     }
 
-    /// The sweep of a stage over several bands.
-    fn stage_in_bands(&mut self, stage: &Stage, columns: &mut StageColumns<'_>) {
-        let mut targets: Vec<Chained<'_>> = Vec::with_capacity(self.bands.len());
-        let (mut newest, mut start, mut first) = (columns.newest, columns.start, columns.first);
-        let mut oldest = &mut columns.oldest[..];
-        for band in &self.bands {
-            let count = self.around.lattice.start(band.rows.1) - self.around.lattice.start(band.rows.0);
-            let (own_newest, own_start, own_first);
-            (own_newest, newest) = newest.split_at(count);
-            (own_start, start) = start.split_at(count);
-            (own_first, first) = first.split_at(count);
-            let (own_oldest, later) = oldest.split_at_mut(count);
-            oldest = later;
-            let columns = StageColumns { newest: own_newest, oldest: own_oldest, start: own_start, first: own_first };
-            targets.push(Chained { stage: *stage, columns });
-        }
-        self.sweep(&mut targets);
-    }
-
     /// Rates of all particles, without booking what passes the patches.
     pub(super) fn rates(&mut self, enthalpy: &[f64], time: f64, rate: &mut [f64]) {
         self.prepare(enthalpy, time);
@@ -296,25 +266,22 @@ impl<L: Laws> LatticeBalance<L> {
         self.complete(rate, 1.0);
     }
 
-    /// The sweep of the rates over several bands.
-    fn rates_in_bands(&mut self, enthalpy: &[f64], rate: &mut [f64]) {
-        let mut targets: Vec<Beside<'_>> = Vec::with_capacity(self.bands.len());
-        let (mut from, mut into) = (enthalpy, &mut rate[..]);
-        for band in &self.bands {
-            let count = self.around.lattice.start(band.rows.1) - self.around.lattice.start(band.rows.0);
-            let (own, later) = from.split_at(count);
-            let (own_rate, later_rate) = into.split_at_mut(count);
-            targets.push(Beside { enthalpy: own, rate: own_rate });
-            (from, into) = (later, later_rate);
-        }
-        self.sweep(&mut targets);
-    }
-
     /// Heat in through every patch (W), from what the sweep and the preparation left.
     #[inline]
     fn book(&self, patches: &mut [f64]) {
+        if !self.is_bare {
+            return self.book_all(patches);
+        }
+        for side in 0..2 {
+            if let Side::Wall(patch) = self.boundary.sides[side] {
+                patches[patch] = if self.around.open[side] { self.volume * self.row_patches[0][side] } else { 0.0 };
+            }
+        }
+    }
+
+    fn book_all(&self, patches: &mut [f64]) {
         let volume = self.volume;
-        patches.iter_mut().for_each(|rate| *rate = 0.0);
+        patches.fill(0.0);
         for side in (0..4).filter(|side| self.around.open[*side]) {
             if let Side::Wall(patch) = self.boundary.sides[side] {
                 patches[patch] += volume * self.row_patches.iter().map(|rates| rates[side]).collect::<Sum>().value();
@@ -333,8 +300,14 @@ impl<L: Laws> LatticeBalance<L> {
     }
 
     /// Adds to the rates of a sweep, scaled, what no stencil knows.
-    #[inline]
+    #[inline(always)]
     fn complete(&self, rates: &mut [f64], scale: f64) {
+        if !self.is_bare {
+            self.complete_all(rates, scale);
+        }
+    }
+
+    fn complete_all(&self, rates: &mut [f64], scale: f64) {
         if let Some(irregular) = &self.irregular {
             irregular.settle(rates, scale);
         }
@@ -361,14 +334,6 @@ impl<L: Laws> LatticeBalance<L> {
             }
         }
     }
-}
-
-/// Threads that a step of a lattice is worth.
-fn threads<L>(team: &Option<Team>, around: &Around<L>) -> usize {
-    let (lattice, shape) = (&around.lattice, around.shape);
-    let threads = team.as_ref().map_or(1, Team::threads);
-    let most = (lattice.len() / PARTICLES_PER_THREAD).min(lattice.rows / (4 * shape.reach_rows).max(1));
-    if lattice.rows == 1 { 1 } else { threads.min(most).max(1) }
 }
 
 /// The material at each patch, by index, for patches within whose reach there is one alone.

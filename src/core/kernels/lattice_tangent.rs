@@ -31,6 +31,7 @@ impl<L: Laws> LatticeBalance<L> {
             *linear = face.homogeneous();
         }
         tangent.around.slopes = Some(wall_slopes);
+        tangent.around.ends = tangent.around.find_ends();
         for (linear, sink) in tangent.sinks.iter_mut().zip(&self.sinks) {
             let sampled = sink.sampled(|index| self.around.laws.potential_of(index, enthalpy[index]));
             linear.resistance = sink.resistance_to_changes(sampled, time, self.around.thermal_at_sink(sink));
@@ -60,6 +61,7 @@ impl<L: Laws> LatticeBalance<L> {
                 exterior: around.exterior.clone(),
                 patch_weights: around.patch_weights.clone(),
                 patch_own: around.patch_own.clone(),
+                ends: None,
             },
             boundary,
             weights: self.weights.clone(),
@@ -73,6 +75,7 @@ impl<L: Laws> LatticeBalance<L> {
             observed: None,
             bands: self.bands.clone(),
             row_patches: self.row_patches.clone(),
+            is_bare: false,
             team: self.team.clone(),
             facts: self.facts.clone(),
             tangent: None,

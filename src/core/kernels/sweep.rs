@@ -7,6 +7,8 @@
 
 mod block;
 mod lanes;
+mod line;
+mod settle;
 
 use crate::bonds::stencil::Stencil;
 use crate::instruction_set::InstructionSet;
@@ -17,15 +19,13 @@ use crate::space::lattice::Lattice;
 
 use block::{BlockRates, Near, Soon};
 use lanes::LANES;
+use line::{Along, LineRates};
 
 /// Widest stencil that has a compiled sweep, in cells; wider ones take the pair list.
 pub const WIDEST: usize = 8;
 
 /// Columns whose slots are made ready together: these stay in the first cache.
 const BLOCK: usize = 1024;
-
-/// Particles of a line whose potentials are taken together: four vectors of AVX2, which hide each other's latency.
-const TOGETHER: usize = 16;
 
 /// Bytes of a cache line: the first particles of rows stand on one, so that a group of eight does not straddle two.
 const CACHE_LINE: usize = 64;
@@ -38,6 +38,37 @@ pub trait Surroundings: Sync {
     fn patches(&self, row: usize, rows: &[&[f64]], rates: &mut [f64; 4]);
     /// Whether any wall lets heat through, so that rates are worth taking.
     fn has_patches(&self) -> bool;
+    /// The ends of a line, where ghosts behind both are images.
+    fn ends(&self) -> Option<&Ends>;
+}
+
+/// The left and the right end of a line.
+#[derive(Debug, Clone)]
+pub struct Ends {
+    /// What lies behind them.
+    pub behind: [Behind; 2],
+    /// Whether they let heat through.
+    pub open: [bool; 2],
+    /// How particles see an end.
+    pub weights: EndWeights,
+}
+
+/// Weights of all pairs of a line that reach behind an end.
+#[derive(Debug, Clone, Default)]
+pub struct EndWeights {
+    /// Those of a ghost, by its layer from the wall outward.
+    pub of_ghosts: [f64; WIDEST],
+    /// Those of a particle, by its distance from the wall.
+    pub of_particles: [f64; WIDEST],
+}
+
+/// Ghosts behind a wall by the particles before it: each `sign` times its image, and `shift` (W/m) on top.
+#[derive(Debug, Clone, Copy)]
+pub struct Behind {
+    /// 1, -1 or, where images do not count, 0.
+    pub sign: f64,
+    /// What the potential of a wall adds.
+    pub shift: f64,
 }
 
 /// Shape of the rows that a sweep works on.
@@ -85,11 +116,17 @@ impl RowBuffer {
         &self.values[self.start + row * self.shape.width..][..self.shape.width]
     }
 
+    /// The same to be written.
+    #[inline(always)]
+    fn groups_mut(&mut self, row: usize) -> &mut [f64] {
+        &mut self.values[self.start + row * self.shape.width..][..self.shape.width]
+    }
+
     /// A row from its margin on: `potentials[column + reach]` is that of a particle.
     #[inline(always)]
     pub fn row(&mut self, row: usize) -> &mut [f64] {
-        let Shape { reach, width, .. } = self.shape;
-        &mut self.values[self.start + row * width..][..width][LANES - reach..]
+        let reach = self.shape.reach;
+        &mut self.groups_mut(row)[LANES - reach..]
     }
 }
 
@@ -174,24 +211,37 @@ pub struct Frame<'a, L, S> {
 }
 
 /// Sweeps one band. `patches` receives the wall rates of each row of the band.
+#[inline]
 pub fn sweep<L: Laws, S: Surroundings, T: Target>(
     frame: &Frame<'_, L, S>,
     band: &mut Band,
     target: &mut T,
     patches: &mut [[f64; 4]],
 ) {
-    let Shape { reach, reach_rows, .. } = frame.shape;
-    let place = (usize::from(reach_rows > 0), reach.min(WIDEST));
+    if frame.shape.reach_rows == 0 {
+        only_row(frame, band, target, patches);
+    } else {
+        plane(frame, band, target, patches);
+    }
+}
+
+/// All rows of a band of a plane.
+#[inline(never)]
+fn plane<L: Laws, S: Surroundings, T: Target>(
+    frame: &Frame<'_, L, S>,
+    band: &mut Band,
+    target: &mut T,
+    patches: &mut [[f64; 4]],
+) {
+    let reach = frame.shape.reach.min(WIDEST);
     match InstructionSet::widest() {
         #[cfg(target_arch = "x86_64")]
         // SAFETY: the processor has just been asked for these features.
-        InstructionSet::Avx512 => unsafe {
-            sweep_avx512(frame, band, target, patches, block::AVX512[place.0][place.1])
-        },
+        InstructionSet::Avx512 => unsafe { sweep_avx512(frame, band, target, patches, block::AVX512[reach]) },
         #[cfg(target_arch = "x86_64")]
         // SAFETY: as above.
-        InstructionSet::Avx2 => unsafe { sweep_avx2(frame, band, target, patches, block::AVX2[place.0][place.1]) },
-        _ => band_of(frame, band, target, patches, block::PORTABLE[place.0][place.1]),
+        InstructionSet::Avx2 => unsafe { sweep_avx2(frame, band, target, patches, block::AVX2[reach]) },
+        _ => rows(frame, band, target, patches, block::PORTABLE[reach]),
     }
 }
 
@@ -204,7 +254,7 @@ fn sweep_avx512<L: Laws, S: Surroundings, T: Target>(
     patches: &mut [[f64; 4]],
     block: BlockRates,
 ) {
-    band_of(frame, band, target, patches, block);
+    rows(frame, band, target, patches, block);
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -216,53 +266,71 @@ fn sweep_avx2<L: Laws, S: Surroundings, T: Target>(
     patches: &mut [[f64; 4]],
     block: BlockRates,
 ) {
-    band_of(frame, band, target, patches, block);
-}
-
-#[inline(always)]
-fn band_of<L: Laws, S: Surroundings, T: Target>(
-    frame: &Frame<'_, L, S>,
-    band: &mut Band,
-    target: &mut T,
-    patches: &mut [[f64; 4]],
-    block: BlockRates,
-) {
-    if frame.shape.reach_rows == 0 {
-        line(frame, band, target, patches, block);
-    } else {
-        rows(frame, band, target, patches, block);
-    }
+    rows(frame, band, target, patches, block);
 }
 
 /// The only row of a line: none lies below or above, and what is asked of each of many rows costs more than a short line.
-#[inline(always)]
-fn line<L: Laws, S: Surroundings, T: Target>(
+#[inline]
+fn only_row<L: Laws, S: Surroundings, T: Target>(
     frame: &Frame<'_, L, S>,
     band: &mut Band,
     target: &mut T,
     patches: &mut [[f64; 4]],
-    block: BlockRates,
 ) {
-    let (reach, count) = (frame.shape.reach, frame.lattice.len());
-    let potentials = band.ring.row(0);
-    // What is left over of whole groups first, as the last group that is whole, over some of the one before: one by one it would cost
-    // a short line as much as several groups.
-    let whole = if count < TOGETHER { count } else { count - count % TOGETHER };
-    let last = if whole < count { count - TOGETHER..count } else { 0..0 };
-    for particles in [last, 0..whole] {
-        let (first, end) = (particles.start, particles.end);
-        frame.laws.fill(first, target.enthalpy(particles), &mut potentials[reach + first..reach + end]);
+    let (reach, count) = (frame.shape.reach.min(WIDEST), frame.lattice.len());
+    let set = InstructionSet::widest();
+    let ends = if count >= line::FEWEST { frame.surroundings.ends() } else { None };
+    let law = frame.laws.pieces().zip(ends);
+    if law.is_none() {
+        fill_only_row(set, frame, band.ring.row(0), target.enthalpy(0..count));
+        if frame.surroundings.has_patches() {
+            frame.surroundings.patches(0, &[band.ring.row(0)], &mut patches[0]);
+        }
+    }
+    let line: LineRates = match set {
+        #[cfg(target_arch = "x86_64")]
+        InstructionSet::Avx512 => line::AVX512[reach],
+        #[cfg(target_arch = "x86_64")]
+        InstructionSet::Avx2 => line::AVX2[reach],
+        _ => line::PORTABLE[reach],
+    };
+    let law = law.as_ref().map(|(law, ends)| (law, *ends));
+    let along = Along { weights: frame.weights, potentials: band.ring.groups_mut(0), law };
+    // SAFETY: it is that of this processor.
+    unsafe { line(along, target.slots(0..count), &mut patches[0]) };
+}
+
+/// Potentials of all particles of a line, and of its ghosts.
+#[inline(never)]
+fn fill_only_row<L: Laws, S: Surroundings>(
+    set: InstructionSet,
+    frame: &Frame<'_, L, S>,
+    potentials: &mut [f64],
+    enthalpy: &[f64],
+) {
+    let of_particles = &mut potentials[frame.shape.reach..][..enthalpy.len()];
+    match set {
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: the processor has been asked for these features.
+        InstructionSet::Avx512 => unsafe { fill_avx512(frame.laws, enthalpy, of_particles) },
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: as above.
+        InstructionSet::Avx2 => unsafe { fill_avx2(frame.laws, enthalpy, of_particles) },
+        _ => frame.laws.fill(0, enthalpy, of_particles),
     }
     frame.surroundings.complete(0, potentials);
-    if frame.surroundings.has_patches() {
-        frame.surroundings.patches(0, &[potentials], &mut patches[0]);
-    }
-    for column in (0..count).step_by(BLOCK) {
-        let near = Near { weights: frame.weights, rows: &[band.ring.groups(0)], column, soon: Soon::of(&[]) };
-        let (slots, taken) = target.slots(column..count.min(column + BLOCK));
-        // SAFETY: blocks are those of this processor.
-        unsafe { block(&near, slots, taken) };
-    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512vl")]
+fn fill_avx512<L: Laws>(laws: &L, enthalpy: &[f64], potentials: &mut [f64]) {
+    laws.fill(0, enthalpy, potentials);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma")]
+fn fill_avx2<L: Laws>(laws: &L, enthalpy: &[f64], potentials: &mut [f64]) {
+    laws.fill(0, enthalpy, potentials);
 }
 
 /// Fills the slot of a row in the ring of rows.
@@ -339,10 +407,10 @@ fn rows<L: Laws, S: Surroundings, T: Target>(
             } else {
                 Soon::of(&[])
             };
-            let (slots, taken) = target.slots(from..from + count);
+            let slots = target.slots(from..from + count);
             let near = Near { weights: frame.weights, rows: &near, column, soon };
             // SAFETY: blocks are those of this processor.
-            unsafe { block(&near, slots, taken) };
+            unsafe { block(&near, slots) };
             column += count;
         }
     }

@@ -7,7 +7,17 @@ pub trait Target {
     /// Enthalpies of a range of particles.
     fn enthalpy(&self, range: std::ops::Range<usize>) -> &[f64];
     /// Where the rates of a range of particles go, and how.
-    fn slots(&mut self, range: std::ops::Range<usize>) -> (&mut [f64], Taken<'_>);
+    fn slots(&mut self, range: std::ops::Range<usize>) -> Slots<'_>;
+}
+
+/// Where rates go.
+pub struct Slots<'a> {
+    /// A slot for each rate.
+    pub rates: &'a mut [f64],
+    /// The enthalpies that rates are of, unless these are the slots themselves.
+    pub enthalpy: Option<&'a [f64]>,
+    /// How slots take them.
+    pub taken: Taken<'a>,
 }
 
 /// How slots take rates.
@@ -40,8 +50,8 @@ impl Target for InPlace<'_> {
     }
 
     #[inline(always)]
-    fn slots(&mut self, range: std::ops::Range<usize>) -> (&mut [f64], Taken<'_>) {
-        (&mut self.enthalpy[range], Taken::Adding(self.step))
+    fn slots(&mut self, range: std::ops::Range<usize>) -> Slots<'_> {
+        Slots { rates: &mut self.enthalpy[range], enthalpy: None, taken: Taken::Adding(self.step) }
     }
 }
 
@@ -62,9 +72,9 @@ impl Target for Kept<'_> {
     }
 
     #[inline(always)]
-    fn slots(&mut self, range: std::ops::Range<usize>) -> (&mut [f64], Taken<'_>) {
+    fn slots(&mut self, range: std::ops::Range<usize>) -> Slots<'_> {
         let lost = &mut self.lost[range.clone()];
-        (&mut self.enthalpy[range], Taken::Keeping { step: self.step, lost })
+        Slots { rates: &mut self.enthalpy[range], enthalpy: None, taken: Taken::Keeping { step: self.step, lost } }
     }
 }
 
@@ -83,8 +93,9 @@ impl Target for Beside<'_> {
     }
 
     #[inline(always)]
-    fn slots(&mut self, range: std::ops::Range<usize>) -> (&mut [f64], Taken<'_>) {
-        (&mut self.rate[range], Taken::Replacing)
+    fn slots(&mut self, range: std::ops::Range<usize>) -> Slots<'_> {
+        let enthalpy = Some(&self.enthalpy[range.clone()]);
+        Slots { rates: &mut self.rate[range], enthalpy, taken: Taken::Replacing }
     }
 }
 
@@ -104,7 +115,7 @@ impl Target for Chained<'_> {
 
     /// All of the stage but its rate, which is added on top: the slots are asked for once.
     #[inline(always)]
-    fn slots(&mut self, range: std::ops::Range<usize>) -> (&mut [f64], Taken<'_>) {
+    fn slots(&mut self, range: std::ops::Range<usize>) -> Slots<'_> {
         let stage = self.stage;
         let StageColumns { newest: new, oldest: slots, start: begun, first: first_rate } = &mut self.columns;
         let states = new[range.clone()].iter().zip(&begun[range.clone()]);
@@ -112,6 +123,7 @@ impl Target for Chained<'_> {
         for (out, ((new, begun), first_rate)) in slots[range.clone()].iter_mut().zip(states) {
             *out = stage.without_rate((*new, *out, *begun), *first_rate);
         }
-        (&mut slots[range], Taken::Adding(stage.rate))
+        let enthalpy = Some(&new[range.clone()]);
+        Slots { rates: &mut slots[range], enthalpy, taken: Taken::Adding(stage.rate) }
     }
 }

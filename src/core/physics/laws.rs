@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::physics::latent_heat::Materials;
-use crate::physics::potential::{Law, PotentialLaw};
+use crate::physics::potential::{Kinked, Law, PotentialLaw};
 
 /// The laws of all particles, numbered as these are.
 pub trait Laws: Clone + Send + Sync + 'static {
@@ -15,6 +15,11 @@ pub trait Laws: Clone + Send + Sync + 'static {
     fn potential_of(&self, particle: usize, enthalpy: f64) -> f64;
     /// Slope dU/dH (m2/s) of one particle.
     fn slope_of(&self, particle: usize, enthalpy: f64) -> f64;
+    /// The law of all particles, where it is one of three straight pieces or less.
+    #[inline(always)]
+    fn pieces(&self) -> Option<Kinked> {
+        None
+    }
 }
 
 impl<L: PotentialLaw> Laws for L {
@@ -36,6 +41,11 @@ impl<L: PotentialLaw> Laws for L {
     #[inline(always)]
     fn slope_of(&self, _particle: usize, enthalpy: f64) -> f64 {
         self.slope(enthalpy)
+    }
+
+    #[inline(always)]
+    fn pieces(&self) -> Option<Kinked> {
+        PotentialLaw::pieces(self)
     }
 }
 

@@ -18,6 +18,11 @@ pub trait PotentialLaw: Clone + Send + Sync + 'static {
     fn potential(&self, enthalpy: f64) -> f64;
     /// Slope dU/dH (m2/s) at an enthalpy; at a kink, the steeper of the two.
     fn slope(&self, enthalpy: f64) -> f64;
+    /// The law as one of three straight pieces, where it is one or is less.
+    #[inline(always)]
+    fn pieces(&self) -> Option<Kinked> {
+        None
+    }
     /// Potentials of many enthalpies.
     #[inline(always)]
     fn fill(&self, enthalpy: &[f64], potentials: &mut [f64]) {
@@ -41,17 +46,22 @@ impl PotentialLaw for Identity {
     fn slope(&self, _potential: f64) -> f64 {
         1.0
     }
+
+    #[inline(always)]
+    fn pieces(&self) -> Option<Kinked> {
+        Straight { slope: 1.0 }.pieces()
+    }
 }
 
 /// A law of three straight pieces: frozen, freezing, unfrozen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Kinked {
-    pub(super) frozen_slope: f64,
-    pub(super) unfrozen_slope: f64,
-    pub(super) frozen_below: f64,
-    pub(super) unfrozen_above: f64,
-    pub(super) frozen_rest: f64,
-    pub(super) unfrozen_rest: f64,
+    pub(crate) frozen_slope: f64,
+    pub(crate) unfrozen_slope: f64,
+    pub(crate) frozen_below: f64,
+    pub(crate) unfrozen_above: f64,
+    pub(crate) frozen_rest: f64,
+    pub(crate) unfrozen_rest: f64,
 }
 
 impl PotentialLaw for Kinked {
@@ -68,6 +78,11 @@ impl PotentialLaw for Kinked {
         let frozen = if enthalpy <= self.frozen_below { self.frozen_slope } else { 0.0 };
         let unfrozen = if enthalpy >= self.unfrozen_above { self.unfrozen_slope } else { 0.0 };
         if frozen > unfrozen { frozen } else { unfrozen }
+    }
+
+    #[inline(always)]
+    fn pieces(&self) -> Option<Kinked> {
+        Some(*self)
     }
 }
 
@@ -86,6 +101,19 @@ impl PotentialLaw for Straight {
     #[inline(always)]
     fn slope(&self, _enthalpy: f64) -> f64 {
         self.slope
+    }
+
+    /// All of it frozen.
+    #[inline(always)]
+    fn pieces(&self) -> Option<Kinked> {
+        Some(Kinked {
+            frozen_slope: self.slope,
+            unfrozen_slope: 0.0,
+            frozen_below: f64::INFINITY,
+            unfrozen_above: 0.0,
+            frozen_rest: 0.0,
+            unfrozen_rest: 0.0,
+        })
     }
 }
 

@@ -19,6 +19,8 @@ pub struct Euler {
     fraction: f64,
     steps: u64,
     kept: Option<Kept>,
+    /// Whether a companion follows the balance: asked for once.
+    is_followed: bool,
 }
 
 impl Euler {
@@ -26,7 +28,8 @@ impl Euler {
     pub fn new(balance: Box<dyn Balance>, fraction: f64) -> Self {
         let ledger = Ledger::new(balance.patches());
         let patches = vec![0.0; ledger.sources().len()];
-        Euler { balance, ledger, patches, fraction, steps: 0, kept: None }
+        let is_followed = balance.companion().is_some();
+        Euler { balance, ledger, patches, fraction, steps: 0, kept: None, is_followed }
     }
 
     /// The same for so many particles and so many steps that rounding would show in the balance: what it takes from a step is
@@ -44,7 +47,7 @@ impl Solver for Euler {
     }
 
     fn make_step(&mut self, particles: &mut Particles, clock: &Clock) -> Result<f64, StepError> {
-        let step = self.balance.cut(clock.step);
+        let step = if self.is_followed { self.balance.cut(clock.step) } else { clock.step };
         let (contents, clock) = (&mut particles.enthalpy, Clock { step, ..*clock });
         match &mut self.kept {
             None => self.balance.advance(Update::Euler(contents), &clock, &mut self.patches),

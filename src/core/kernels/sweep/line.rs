@@ -62,7 +62,7 @@ trait Potentials<V: Lanes> {
 /// From where they have been filled in.
 struct Filled {
     /// That of the first particle.
-    start: *mut f64,
+    start: *const f64,
 }
 
 impl<V: Lanes> Potentials<V> for Filled {
@@ -204,6 +204,7 @@ unsafe fn line<V: Lanes, const REACH: usize>(along: Along<'_>, slots: Slots<'_>,
         }
         match along.law {
             Some((law, Ends { behind: [left, right], open, weights: of_ends })) => {
+                assert!(count >= LANES);
                 let potentials = OfLaw {
                     enthalpy: enthalpy.map_or(rates.cast_const(), |enthalpy| enthalpy[..count].as_ptr()),
                     frozen_slope: V::factor(law.frozen_slope),

@@ -19,9 +19,9 @@ fn weights(numbers: &[f64], disc: bool) -> Weights {
 }
 
 /// Every kind of vectors that this processor has, of functions for each.
-fn kinds<K: Copy>(portable: K, _avx2: K, _avx512: K) -> Vec<K> {
+fn kinds<K: Copy>(portable: K, avx2: K, avx512: K) -> Vec<K> {
     let widest = InstructionSet::widest();
-    let wide = [(InstructionSet::Avx2, _avx2), (InstructionSet::Avx512, _avx512)];
+    let wide = [(InstructionSet::Avx2, avx2), (InstructionSet::Avx512, avx512)];
     let there = wide.into_iter().filter(|(set, _)| cfg!(target_arch = "x86_64") && widest >= *set).map(|kind| kind.1);
     std::iter::once(portable).chain(there).collect()
 }

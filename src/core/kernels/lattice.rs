@@ -41,7 +41,7 @@ pub struct LatticeBalance<L> {
     pub(super) observed: Option<Box<IrregularRows>>,
     pub(super) bands: Vec<Band>,
     pub(super) row_patches: Vec<[f64; 4]>,
-    /// Whether the stencil and walls that do not change are all there is, and one band.
+    /// Whether the stencil, walls that do not change and fronts are all there is, and one band.
     pub(super) is_bare: bool,
     pub(super) team: Option<Team>,
     /// Volume of a particle (m^d).
@@ -97,7 +97,6 @@ impl<L: Laws> LatticeBalance<L> {
         let bands = bands(&around.lattice, threads(&team, &around), shape);
         let is_bare = parts.sinks.is_empty()
             && corners.is_empty()
-            && parts.front.is_none()
             && parts.irregular.is_none()
             && around.exterior.is_none()
             && boundary.patches.iter().all(|wall| !wall.changes)
@@ -142,6 +141,9 @@ impl<L: Laws> LatticeBalance<L> {
         if !self.is_bare {
             self.prepare_all(enthalpy, time);
         }
+        if let Some(front) = &mut self.front {
+            front.update(&self.around.lattice, enthalpy, &self.around.laws);
+        }
     }
 
     fn prepare_all(&mut self, enthalpy: &[f64], time: f64) {
@@ -164,9 +166,6 @@ impl<L: Laws> LatticeBalance<L> {
         for (pair, rate) in self.corners.iter().zip(&mut self.corner_rates) {
             let potential = |index: u32| around.laws.potential_of(index as usize, enthalpy[index as usize]);
             *rate = pair.weight * (potential(pair.second) - potential(pair.first));
-        }
-        if let Some(front) = &mut self.front {
-            front.update(&around.lattice, enthalpy, &around.laws);
         }
         match (&mut self.irregular, &around.slopes) {
             (Some(irregular), None) => irregular.evaluate(enthalpy, time),
@@ -305,6 +304,9 @@ impl<L: Laws> LatticeBalance<L> {
         if !self.is_bare {
             self.complete_all(rates, scale);
         }
+        if let Some(front) = &self.front {
+            front.add(rates, scale);
+        }
     }
 
     fn complete_all(&self, rates: &mut [f64], scale: f64) {
@@ -318,9 +320,6 @@ impl<L: Laws> LatticeBalance<L> {
         }
         if let Some(exterior) = &self.around.exterior {
             exterior.add(rates, scale);
-        }
-        if let Some(front) = &self.front {
-            front.add(rates, scale);
         }
     }
 

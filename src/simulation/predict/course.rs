@@ -6,6 +6,12 @@ pub(super) const FEWEST: usize = 16;
 /// Parts in which the rest of a run is summed, each so many times as long as the one before as all are alike.
 const PARTS: u32 = 512;
 
+/// The greatest power of time by which steps are taken to grow.
+const STEEPEST: f64 = 0.95;
+
+/// How far, as a factor, the last steps of a run may be off that grow by a greater one.
+const MOST_OFF: f64 = 2.0;
+
 /// How steps are bounded, and what they cost.
 pub(super) struct Lengths<'a> {
     /// The longest (s).
@@ -43,14 +49,15 @@ impl Lengths<'_> {
         let mean = points.iter().fold((0.0, 0.0), |sum, point| (sum.0 + point.0 / count, sum.1 + point.1 / count));
         let spread: f64 = points.iter().map(|point| (point.0 - mean.0).powi(2)).sum();
         let slope = points.iter().map(|point| (point.0 - mean.0) * (point.1 - mean.1)).sum::<f64>() / spread;
-        // Steps that shrink away, or that grow as fast as time itself, follow no such law.
-        if !(-1.0..0.95).contains(&slope) {
+        let first = *times.last()?;
+        // Steps that shrink away follow no such law, nor do those that grow as fast as time itself; but where little is left of the
+        // run, as on a fast machine, it matters little how fast they grow.
+        if !(-1.0..f64::INFINITY).contains(&slope) || (duration / first).powf(slope - STEEPEST) > MOST_OFF {
             return None;
         }
         // Others are even, whatever it is that makes them differ.
-        let slope = slope.max(0.0);
+        let slope = slope.clamp(0.0, STEEPEST);
         let scale = (mean.1 - slope * mean.0).exp();
-        let first = *times.last()?;
         let growth = (duration / first).powf(1.0 / f64::from(PARTS));
         let (mut steps, mut evaluations, mut from) = (times.len() as f64, tried, first);
         for _ in 0..PARTS {
@@ -95,6 +102,13 @@ mod tests {
         assert_eq!(steps(&even(40), 1000.0), Some(1000));
         let doubling: Vec<f64> = (0..40).map(|k| 2f64.powi(k)).collect();
         assert_eq!(steps(&doubling, 1e30), None);
+        // As fast as time, but not for long: a factor of three takes so many steps more.
+        let growing: Vec<f64> = (1..=100).map(|k| 1.05f64.powi(k)).collect();
+        let found = steps(&growing, 3.0 * 1.05f64.powi(100)).expect("little is left") as f64 - 100.0;
+        let all = 3.0f64.ln() / 1.05f64.ln();
+        // By that much the power of 0.95 is off, from the middle of the later half on.
+        let off = (3.0 * 1.05f64.powi(25)).powf(1.0 - STEEPEST) - 1.0;
+        assert!((found / all - 1.0).abs() < off, "{found} of {all}");
         let shrinking: Vec<f64> = (1..40).map(|k| 1.0 - 0.5f64.powi(k)).collect();
         assert_eq!(steps(&shrinking, 2.0), None);
     }

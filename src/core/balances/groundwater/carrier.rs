@@ -14,6 +14,7 @@
 //! around it (Zalesak 1979).
 
 mod limit;
+mod taken_back;
 
 use glam::DVec2;
 
@@ -30,6 +31,9 @@ use crate::team::Team;
 
 /// Heat that water carries along a path over what the path conducts, from which the bend of profiles counts.
 const FAST: f64 = 1.0;
+
+/// The first of the columns of shares.
+const SHARES: usize = 5;
 
 /// Water of one particle through one wall of given pressure (1/s by volume).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -76,8 +80,9 @@ pub struct Carrier {
     gradients: Vec<DVec2>,
     /// What conduction does to each particle, times what a bend is worth (W/m); empty where it is not corrected.
     conducted: Vec<f64>,
-    /// Columns with room on both sides, on diagonals.
-    columns: [Vec<f64>; 5],
+    /// Columns with room on both sides, on diagonals: temperatures, enthalpies, what conduction does, both parts of gradients, and,
+    /// where they are limited, shares of what may be gained and lost.
+    columns: [Vec<f64>; SHARES + 2],
     mouth_of: Vec<u32>,
     rows: Vec<Row>,
     /// Where not all of the exchange is taken back, and what sees such places.
@@ -166,7 +171,8 @@ impl Carrier {
             carrier.limits = vec![(1.0, 1.0); count];
         }
         if let Some(diagonals) = &network.diagonals {
-            carrier.columns = std::array::from_fn(|_| vec![0.0; diagonals.padded()]);
+            let used = if advection == Advection::Limited { carrier.columns.len() } else { SHARES };
+            carrier.columns[..used].fill(vec![0.0; diagonals.padded()]);
         }
         carrier
     }
@@ -301,23 +307,7 @@ impl Carrier {
         self.exchange_beside(temperature, |particle, gain| rows[particle].gain += gain);
         self.rows = rows;
         self.limit(network, state, rate);
-        let (rows, limits, marked, this) = (&self.rows, &self.limits, &self.marked, &*self);
-        each(state.team, rate, |i, rate| {
-            let row = rows[i];
-            let back = if marked[i] {
-                let (own, (up, down)) = (temperature[i], limits[i]);
-                let share = |j: usize, back: f64| if back > 0.0 { up.min(limits[j].1) } else { down.min(limits[j].0) };
-                let paths = network.paths(i).map(|(j, slot, _)| {
-                    let exchange = if this.exchanges { this.exchange[slot] } else { 0.0 };
-                    let back = exchange * (own - temperature[j]) + this.bend(network, i, j, slot);
-                    back * share(j, back)
-                });
-                paths.sum::<f64>()
-            } else {
-                row.up + row.down
-            };
-            *rate += row.gain + back;
-        });
+        self.take_back(network, state, rate);
     }
 
     /// Adds what paths carry to the rates (W/m3), with all of the exchange beside it, and what gradients mend or not.

@@ -201,15 +201,15 @@ widest!(sums, sum_rows[F: Fn([f64; 3], bool) -> f64], (own: &Diagonals, term: &F
 
 /// A particle's own part of [`Fields`].
 #[derive(Clone, Copy)]
-struct Own {
-    temperature: Lanes,
-    conducted: Lanes,
-    gradients: [Lanes; 2],
+pub(super) struct Own {
+    pub temperature: Lanes,
+    pub conducted: Lanes,
+    pub gradients: [Lanes; 2],
 }
 
 impl Own {
     #[inline(always)]
-    fn at<const BENDS: bool, const CORRECTED: bool>(fields: &Fields<'_>, place: usize) -> Self {
+    pub fn at<const BENDS: bool, const CORRECTED: bool>(fields: &Fields<'_>, place: usize) -> Self {
         let none = [0.0; LANES];
         Own {
             temperature: lanes(fields.temperature, place),

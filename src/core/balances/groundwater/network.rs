@@ -340,7 +340,7 @@ impl Network {
     }
 
     /// On diagonals, keeps of all arms what those of a diagonal have alike, and the others.
-    fn straighten(&mut self) {
+    pub(super) fn straighten(&mut self) {
         let Some(diagonals) = &self.diagonals else { return };
         let diagonal = |slot: u32| slot as usize / diagonals.stride;
         let is_same = |a: DVec2, b: DVec2| a.distance(b) <= SAME_ARM * a.length();
@@ -482,4 +482,4 @@ impl Opening {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

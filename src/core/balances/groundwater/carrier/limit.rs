@@ -27,24 +27,40 @@ impl Carrier {
         for (column, values) in self.columns.iter_mut().zip(copied).filter(|pair| !pair.1.is_empty()) {
             diagonals.places.spread(values, column);
         }
-        let [temperature, enthalpy, conducted, x, y] = &mut self.columns;
         if self.bends {
+            let [_, _, _, x, y, ..] = &mut self.columns;
             diagonals.places.each(|i, place| (x[place], y[place]) = (self.gradients[i].x, self.gradients[i].y));
         }
-        let carried = Carried {
-            carried: &self.carried,
-            exchange: when(self.exchanges, &self.exchange),
-            weights: &network.weights,
-            even: when(!self.conducted.is_empty(), &network.even_weights),
-            reaches: if self.bends { &network.reaches } else { &[] },
-        };
-        let fields = Fields { temperature, enthalpy, conducted, gradients: [x, y] };
+        let (carried, fields) = (self.carried(network), self.fields());
         tasks(state.team, rows, |first, rows| diagonals.gather(&carried, &fields, first, rows));
         if self.bends {
             for i in &network.aside {
                 rows[*i as usize] = self.row_by_paths(network, state, *i as usize);
             }
         }
+    }
+
+    /// What paths carry, by diagonals.
+    pub(super) fn carried<'a>(&'a self, network: &'a Network) -> Carried<'a> {
+        Carried {
+            carried: &self.carried,
+            exchange: when(self.exchanges, &self.exchange),
+            weights: &network.weights,
+            even: when(!self.conducted.is_empty(), &network.even_weights),
+            reaches: if self.bends { &network.reaches } else { &[] },
+        }
+    }
+
+    /// What particles hold, once it is gathered.
+    pub(super) fn fields(&self) -> Fields<'_> {
+        let [temperature, enthalpy, conducted, x, y, ..] = &self.columns;
+        Fields { temperature, enthalpy, conducted, gradients: [x, y] }
+    }
+
+    /// Shares that each place may gain and lose, once they are known.
+    pub(super) fn shares(&self) -> [&[f64]; 2] {
+        let [.., up, down] = &self.columns;
+        [up, down]
     }
 
     fn gather_paths(&self, network: &Network, state: &State<'_>, rows: &mut [Row]) {

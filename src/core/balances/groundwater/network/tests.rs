@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use super::*;
 
 /// Rows of particles with paths to all within a reach, of which every so many are seen otherwise from one end.
-fn rows(lengths: &[usize], reach: usize, odd: usize) -> Network {
+pub(in super::super) fn rows(lengths: &[usize], reach: usize, odd: usize) -> Network {
     let places: Vec<DVec2> = lengths
         .iter()
         .enumerate()

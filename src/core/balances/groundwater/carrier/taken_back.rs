@@ -1,0 +1,206 @@
+//! What is taken back of the exchange beside water, and what bends mend, at particles where it is not all of it.
+
+use glam::DVec2;
+
+use crate::balances::groundwater::carrier::{Carrier, State};
+use crate::balances::groundwater::diagonals::{BENT, Carried, Diagonals, Fields, LANES, Own, blocks, lanes};
+use crate::balances::groundwater::network::Network;
+use crate::balances::groundwater::places::Stretch;
+use crate::balances::groundwater::tasks::{each, tasks};
+use crate::instruction_set::widest;
+
+impl Carrier {
+    /// Adds to the rates (W/m3) what each particle gains, and what of it is taken back.
+    pub(super) fn take_back(&mut self, network: &Network, state: &State<'_>, rate: &mut [f64]) {
+        let by_diagonals = network.diagonals.as_ref().filter(|_| !state.mixed);
+        if let Some(diagonals) = by_diagonals {
+            self.take_back_by_diagonals(network, diagonals, state);
+        }
+        let Carrier { rows, marked, sums, .. } = &*self;
+        each(state.team, rate, |i, rate| {
+            let row = rows[i];
+            let back = match (marked[i], by_diagonals) {
+                (false, _) => row.up + row.down,
+                (true, Some(_)) => sums[i],
+                (true, None) => self.taken_back(network, state, i),
+            };
+            *rate += row.gain + back;
+        });
+    }
+
+    /// Puts what the marked particles keep into the sums.
+    fn take_back_by_diagonals(&mut self, network: &Network, diagonals: &Diagonals, state: &State<'_>) {
+        let [.., up, down] = &mut self.columns;
+        diagonals.places.each(|i, place| (up[place], down[place]) = self.limits[i]);
+        let mut sums = std::mem::take(&mut self.sums);
+        let (carried, fields, shares) = (self.carried(network), self.fields(), self.shares());
+        tasks(state.team, &mut sums, |first, sums| {
+            let marked = &self.marked[first..first + sums.len()];
+            diagonals.take_back(&carried, &fields, (shares, marked), first, sums);
+        });
+        if self.bends {
+            for i in network.aside.iter().map(|i| *i as usize).filter(|i| self.marked[*i]) {
+                sums[i] = self.taken_back(network, state, i);
+            }
+        }
+        self.sums = sums;
+    }
+
+    /// What one particle keeps of what is taken back, by its paths.
+    fn taken_back(&self, network: &Network, state: &State<'_>, i: usize) -> f64 {
+        let (own, (up, down)) = (state.temperature[i], self.limits[i]);
+        let paths = network.paths(i).map(|(j, slot, _)| {
+            let exchange = if self.exchanges { self.exchange[slot] } else { 0.0 };
+            let back = exchange * (own - state.temperature[j]) + self.bend(network, i, j, slot);
+            back * if back > 0.0 { up.min(self.limits[j].1) } else { down.min(self.limits[j].0) }
+        });
+        paths.sum()
+    }
+}
+
+/// Shares that each place may gain and lose, and which of the particles are asked for.
+type Limits<'a> = ([&'a [f64]; 2], &'a [bool]);
+
+impl Diagonals {
+    /// Fills `back`, from particle `first` on, with what those that are asked for keep of what is taken back.
+    fn take_back(
+        &self,
+        carried: &Carried<'_>,
+        fields: &Fields<'_>,
+        limits: Limits<'_>,
+        first: usize,
+        back: &mut [f64],
+    ) {
+        let (exchange, bends) = (!carried.exchange.is_empty(), !carried.reaches.is_empty());
+        match (exchange, bends, !carried.even.is_empty()) {
+            (false, false, false) => back.fill(0.0),
+            (false, false, true) => keep::<false, false, true>(self, carried, fields, limits, first, back),
+            (false, true, false) => keep::<false, true, false>(self, carried, fields, limits, first, back),
+            (false, true, true) => keep::<false, true, true>(self, carried, fields, limits, first, back),
+            (true, false, false) => keep::<true, false, false>(self, carried, fields, limits, first, back),
+            (true, false, true) => keep::<true, false, true>(self, carried, fields, limits, first, back),
+            (true, true, false) => keep::<true, true, false>(self, carried, fields, limits, first, back),
+            (true, true, true) => keep::<true, true, true>(self, carried, fields, limits, first, back),
+        }
+    }
+}
+
+widest!(keep, keep_rows<EXCHANGE, BENDS, CORRECTED>, (own: &Diagonals, carried: &Carried<'_>, fields: &Fields<'_>, limits: Limits<'_>, first: usize, back: &mut [f64]));
+
+#[inline(always)]
+fn keep_rows<const EXCHANGE: bool, const BENDS: bool, const CORRECTED: bool>(
+    diagonals: &Diagonals,
+    carried: &Carried<'_>,
+    fields: &Fields<'_>,
+    (shares, marked): Limits<'_>,
+    first: usize,
+    back: &mut [f64],
+) {
+    for block in diagonals.places.stretches(first, back.len()).flat_map(blocks) {
+        let Stretch { before, at, count } = block;
+        if !marked[before..before + count].contains(&true) {
+            continue;
+        }
+        let own = Own::at::<BENDS, CORRECTED>(fields, at);
+        let own_shares = shares.map(|column| lanes(column, at));
+        let mut kept = [0.0; LANES];
+        // In the order of the partners: on one diagonal after the other the earlier ones, then the later.
+        let diagonal_count = diagonals.offsets.len();
+        for side in 0..2 * diagonal_count {
+            let number = if side < diagonal_count { diagonal_count - 1 - side } else { side - diagonal_count };
+            let offset = diagonals.offsets[number];
+            let (place, partner) = if side < diagonal_count { (at - offset, at - offset) } else { (at, at + offset) };
+            let place = number * diagonals.stride + place;
+            let bent = if BENDS { BENT * carried.reaches[number] } else { DVec2::ZERO };
+            let other = Own::at::<BENDS, CORRECTED>(fields, partner);
+            let [up, down] = shares.map(|column| lanes(column, partner));
+            let none = [0.0; LANES];
+            let water = if BENDS { lanes(carried.carried, place) } else { none };
+            let exchange = if EXCHANGE { lanes(carried.exchange, place) } else { none };
+            let even = if CORRECTED { lanes(carried.even, place) } else { none };
+            for lane in 0..LANES {
+                let mut back = 0.0;
+                if CORRECTED {
+                    back += even[lane] * (own.conducted[lane] - other.conducted[lane]);
+                }
+                if BENDS {
+                    let rise = [0, 1].map(|axis| other.gradients[axis][lane] - own.gradients[axis][lane]);
+                    back += water[lane] * (bent.x * rise[0] + bent.y * rise[1]);
+                }
+                if EXCHANGE {
+                    back += exchange[lane] * (own.temperature[lane] - other.temperature[lane]);
+                }
+                let added = if own_shares[0][lane] < down[lane] { own_shares[0][lane] } else { down[lane] };
+                let taken = if own_shares[1][lane] < up[lane] { own_shares[1][lane] } else { up[lane] };
+                kept[lane] += back * if back > 0.0 { added } else { taken };
+            }
+        }
+        back[before..before + count].copy_from_slice(&kept[..count]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::balances::groundwater::network::tests::rows;
+    use crate::balances::row::Row;
+
+    proptest! {
+        /// What is kept by diagonals is what is kept path by path.
+        #[test]
+        fn diagonals_keep_what_paths_keep(
+            lengths in prop::collection::vec(20_usize..24, 8..16),
+            (reach, odd) in (1_usize..4, 5_usize..200),
+            numbers in prop::collection::vec(-1.0_f64..1.0, 31),
+            (exchanges, bends, corrected) in any::<(bool, bool, bool)>(),
+        ) {
+            let mut network = rows(&lengths, reach, odd);
+            let drawn = |i: usize| numbers[i * 7 % 31];
+            let mut is_path = vec![false; network.places];
+            network.each_path(|_, _, slot| is_path[slot] = true);
+            let by_slot = |first: usize| -> Vec<f64> {
+                is_path.iter().enumerate().map(|(slot, is)| if *is { drawn(slot + first) } else { 0.0 }).collect()
+            };
+            network.weights = by_slot(0).into_iter().map(f64::abs).collect();
+            network.even_weights = by_slot(3);
+            network.straighten();
+            let count = network.len();
+            let by_particle = |first: usize| -> Vec<f64> { (0..count).map(|i| drawn(i + first)).collect() };
+            let (temperature, enthalpy) = (by_particle(5), by_particle(6));
+            let diagonals = network.diagonals.as_ref().expect("a lattice");
+            let mut carrier = Carrier {
+                carried: by_slot(1),
+                exchange: by_slot(2).into_iter().map(f64::abs).collect(),
+                exchanges,
+                bends,
+                gradients: (0..count).map(|i| DVec2::new(drawn(i + 7), drawn(i + 8))).collect(),
+                conducted: if corrected { by_particle(9) } else { Vec::new() },
+                columns: std::array::from_fn(|_| vec![0.0; diagonals.padded()]),
+                rows: vec![Row::default(); count],
+                marked: by_particle(10).iter().map(|number| *number > 0.5).collect(),
+                limits: (0..count).map(|i| (drawn(i + 11).abs(), drawn(i + 12).abs())).collect(),
+                sums: vec![0.0; count],
+                ..Carrier::default()
+            };
+            let state = State {
+                temperature: &temperature,
+                enthalpy: &enthalpy,
+                step: 1.0,
+                mixed: false,
+                enthalpy_at: &|_, temperature| temperature,
+                openings: &[],
+                beside: &[],
+                team: None,
+            };
+            carrier.gather(&network, &state);
+            carrier.take_back_by_diagonals(&network, diagonals, &state);
+            for i in (0..count).filter(|i| carrier.marked[*i]) {
+                let expected = carrier.taken_back(&network, &state, i);
+                // Some fifty terms of order one, whose spans differ by the rounding of places.
+                prop_assert!((carrier.sums[i] - expected).abs() <= 1e-13, "{} for {expected}", carrier.sums[i]);
+            }
+        }
+    }
+}

@@ -96,6 +96,24 @@ pub(super) fn lanes(column: &[f64], from: usize) -> Lanes {
     from_fn(|lane| part[lane])
 }
 
+/// Calls the kernel for what paths carry: exchange, bends, corrections of conduction.
+macro_rules! by_parts {
+    ($carried:ident, $kernel:ident($($argument:expr),*)) => {
+        match (!$carried.exchange.is_empty(), !$carried.reaches.is_empty(), !$carried.even.is_empty()) {
+            (false, false, false) => $kernel::<false, false, false>($($argument),*),
+            (false, false, true) => $kernel::<false, false, true>($($argument),*),
+            (false, true, false) => $kernel::<false, true, false>($($argument),*),
+            (false, true, true) => $kernel::<false, true, true>($($argument),*),
+            (true, false, false) => $kernel::<true, false, false>($($argument),*),
+            (true, false, true) => $kernel::<true, false, true>($($argument),*),
+            (true, true, false) => $kernel::<true, true, false>($($argument),*),
+            (true, true, true) => $kernel::<true, true, true>($($argument),*),
+        }
+    };
+}
+
+pub(super) use by_parts;
+
 impl Diagonals {
     /// The diagonals of these rows of partners, if they are few and full.
     pub fn of(starts: &[usize], partners: &[u32], positions: &[DVec2]) -> Option<Self> {
@@ -147,17 +165,7 @@ impl Diagonals {
 
     /// What each particle gains, what limits may take, and what lies nearest around it; `first` is the first of the rows.
     pub(super) fn gather(&self, carried: &Carried<'_>, fields: &Fields<'_>, first: usize, rows: &mut [Row]) {
-        let (exchange, bends) = (!carried.exchange.is_empty(), !carried.reaches.is_empty());
-        match (exchange, bends, !carried.even.is_empty()) {
-            (false, false, false) => gather::<false, false, false>(self, carried, fields, first, rows),
-            (false, false, true) => gather::<false, false, true>(self, carried, fields, first, rows),
-            (false, true, false) => gather::<false, true, false>(self, carried, fields, first, rows),
-            (false, true, true) => gather::<false, true, true>(self, carried, fields, first, rows),
-            (true, false, false) => gather::<true, false, false>(self, carried, fields, first, rows),
-            (true, false, true) => gather::<true, false, true>(self, carried, fields, first, rows),
-            (true, true, false) => gather::<true, true, false>(self, carried, fields, first, rows),
-            (true, true, true) => gather::<true, true, true>(self, carried, fields, first, rows),
-        }
+        by_parts!(carried, gather(self, carried, fields, first, rows));
     }
 
     /// Adds to rates what water brings and what particles exchange beside it; `first` is the first of the rates.
@@ -202,9 +210,9 @@ widest!(sums, sum_rows[F: Fn([f64; 3], bool) -> f64], (own: &Diagonals, term: &F
 /// A particle's own part of [`Fields`].
 #[derive(Clone, Copy)]
 pub(super) struct Own {
-    pub temperature: Lanes,
-    pub conducted: Lanes,
-    pub gradients: [Lanes; 2],
+    temperature: Lanes,
+    conducted: Lanes,
+    gradients: [Lanes; 2],
 }
 
 impl Own {
@@ -216,6 +224,54 @@ impl Own {
             conducted: if CORRECTED { lanes(fields.conducted, place) } else { none },
             gradients: if BENDS { fields.gradients.map(|column| lanes(column, place)) } else { [none; 2] },
         }
+    }
+}
+
+/// What paths of one diagonal carry.
+pub(super) struct Brought {
+    pub water: Lanes,
+    pub exchange: Lanes,
+    even: Lanes,
+    bent: DVec2,
+}
+
+impl Brought {
+    /// On the diagonal of a number, from a place on it.
+    #[inline(always)]
+    pub fn at<const EXCHANGE: bool, const BENDS: bool, const CORRECTED: bool>(
+        carried: &Carried<'_>,
+        number: usize,
+        place: usize,
+    ) -> Self {
+        let none = [0.0; LANES];
+        Brought {
+            water: lanes(carried.carried, place),
+            exchange: if EXCHANGE { lanes(carried.exchange, place) } else { none },
+            even: if CORRECTED { lanes(carried.even, place) } else { none },
+            bent: if BENDS { BENT * carried.reaches[number] } else { DVec2::ZERO },
+        }
+    }
+
+    /// What bends mend at a particle, and what taking the exchange back would bring it.
+    #[inline(always)]
+    pub fn back<const EXCHANGE: bool, const BENDS: bool, const CORRECTED: bool>(
+        &self,
+        own: &Own,
+        other: &Own,
+        lane: usize,
+    ) -> f64 {
+        let mut back = 0.0;
+        if CORRECTED {
+            back += self.even[lane] * (own.conducted[lane] - other.conducted[lane]);
+        }
+        if BENDS {
+            let rise = [0, 1].map(|axis| other.gradients[axis][lane] - own.gradients[axis][lane]);
+            back += self.water[lane] * (self.bent.x * rise[0] + self.bent.y * rise[1]);
+        }
+        if EXCHANGE {
+            back -= self.exchange[lane] * (other.temperature[lane] - own.temperature[lane]);
+        }
+        back
     }
 }
 
@@ -271,7 +327,6 @@ fn gather_stretch<const EXCHANGE: bool, const BENDS: bool, const CORRECTED: bool
 ) {
     let blocks = || (0..count).step_by(LANES);
     for (number, offset) in diagonals.offsets.iter().enumerate() {
-        let bent = if BENDS { BENT * carried.reaches[number] } else { DVec2::ZERO };
         for block in blocks() {
             let at = first + block;
             let own = Own::at::<BENDS, CORRECTED>(fields, at);
@@ -284,26 +339,16 @@ fn gather_stretch<const EXCHANGE: bool, const BENDS: bool, const CORRECTED: bool
                 let (place, partner) = if side == 0 { (at, at + offset) } else { (at - offset, at - offset) };
                 let place = number * diagonals.stride + place;
                 let other = Own::at::<BENDS, CORRECTED>(fields, partner);
-                let water = lanes(carried.carried, place);
-                let exchange = if EXCHANGE { lanes(carried.exchange, place) } else { [0.0; LANES] };
-                let even = if CORRECTED { lanes(carried.even, place) } else { [0.0; LANES] };
+                let path = Brought::at::<EXCHANGE, BENDS, CORRECTED>(carried, number, place);
                 for lane in 0..LANES {
                     let rise = other.temperature[lane] - own.temperature[lane];
                     // Water to a partner brings none of its heat.
-                    let brought = water[lane] * rise;
+                    let brought = path.water[lane] * rise;
                     gain[lane] += if side == 0 { -brought } else { brought };
-                    let mut back = 0.0;
-                    if CORRECTED {
-                        back += even[lane] * (own.conducted[lane] - other.conducted[lane]);
-                    }
-                    if BENDS {
-                        let rise = [0, 1].map(|axis| other.gradients[axis][lane] - own.gradients[axis][lane]);
-                        back += water[lane] * (bent.x * rise[0] + bent.y * rise[1]);
-                    }
                     if EXCHANGE {
-                        gain[lane] += exchange[lane] * rise;
-                        back -= exchange[lane] * rise;
+                        gain[lane] += path.exchange[lane] * rise;
                     }
+                    let back = path.back::<EXCHANGE, BENDS, CORRECTED>(&own, &other, lane);
                     up[lane] += if back > 0.0 { back } else { 0.0 };
                     down[lane] += if back < 0.0 { back } else { 0.0 };
                 }

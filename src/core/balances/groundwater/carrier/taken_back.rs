@@ -1,9 +1,9 @@
 //! What is taken back of the exchange beside water, and what bends mend, at particles where it is not all of it.
 
-use glam::DVec2;
-
 use crate::balances::groundwater::carrier::{Carrier, State};
-use crate::balances::groundwater::diagonals::{BENT, Carried, Diagonals, Fields, LANES, Own, blocks, lanes};
+use crate::balances::groundwater::diagonals::{
+    Brought, Carried, Diagonals, Fields, LANES, Own, blocks, by_parts, lanes,
+};
 use crate::balances::groundwater::network::Network;
 use crate::balances::groundwater::places::Stretch;
 use crate::balances::groundwater::tasks::{each, tasks};
@@ -13,7 +13,7 @@ impl Carrier {
     /// Adds to the rates (W/m3) what each particle gains, and what of it is taken back.
     pub(super) fn take_back(&mut self, network: &Network, state: &State<'_>, rate: &mut [f64]) {
         let by_diagonals = network.diagonals.as_ref().filter(|_| !state.mixed);
-        if let Some(diagonals) = by_diagonals {
+        if let Some(diagonals) = by_diagonals.filter(|_| self.limited.contains(&true)) {
             self.take_back_by_diagonals(network, diagonals, state);
         }
         let Carrier { rows, marked, sums, .. } = &*self;
@@ -71,17 +71,7 @@ impl Diagonals {
         first: usize,
         back: &mut [f64],
     ) {
-        let (exchange, bends) = (!carried.exchange.is_empty(), !carried.reaches.is_empty());
-        match (exchange, bends, !carried.even.is_empty()) {
-            (false, false, false) => back.fill(0.0),
-            (false, false, true) => keep::<false, false, true>(self, carried, fields, limits, first, back),
-            (false, true, false) => keep::<false, true, false>(self, carried, fields, limits, first, back),
-            (false, true, true) => keep::<false, true, true>(self, carried, fields, limits, first, back),
-            (true, false, false) => keep::<true, false, false>(self, carried, fields, limits, first, back),
-            (true, false, true) => keep::<true, false, true>(self, carried, fields, limits, first, back),
-            (true, true, false) => keep::<true, true, false>(self, carried, fields, limits, first, back),
-            (true, true, true) => keep::<true, true, true>(self, carried, fields, limits, first, back),
-        }
+        by_parts!(carried, keep(self, carried, fields, limits, first, back));
     }
 }
 
@@ -111,25 +101,11 @@ fn keep_rows<const EXCHANGE: bool, const BENDS: bool, const CORRECTED: bool>(
             let offset = diagonals.offsets[number];
             let (place, partner) = if side < diagonal_count { (at - offset, at - offset) } else { (at, at + offset) };
             let place = number * diagonals.stride + place;
-            let bent = if BENDS { BENT * carried.reaches[number] } else { DVec2::ZERO };
+            let path = Brought::at::<EXCHANGE, BENDS, CORRECTED>(carried, number, place);
             let other = Own::at::<BENDS, CORRECTED>(fields, partner);
             let [up, down] = shares.map(|column| lanes(column, partner));
-            let none = [0.0; LANES];
-            let water = if BENDS { lanes(carried.carried, place) } else { none };
-            let exchange = if EXCHANGE { lanes(carried.exchange, place) } else { none };
-            let even = if CORRECTED { lanes(carried.even, place) } else { none };
             for lane in 0..LANES {
-                let mut back = 0.0;
-                if CORRECTED {
-                    back += even[lane] * (own.conducted[lane] - other.conducted[lane]);
-                }
-                if BENDS {
-                    let rise = [0, 1].map(|axis| other.gradients[axis][lane] - own.gradients[axis][lane]);
-                    back += water[lane] * (bent.x * rise[0] + bent.y * rise[1]);
-                }
-                if EXCHANGE {
-                    back += exchange[lane] * (own.temperature[lane] - other.temperature[lane]);
-                }
+                let back = path.back::<EXCHANGE, BENDS, CORRECTED>(&own, &other, lane);
                 let added = if own_shares[0][lane] < down[lane] { own_shares[0][lane] } else { down[lane] };
                 let taken = if own_shares[1][lane] < up[lane] { own_shares[1][lane] } else { up[lane] };
                 kept[lane] += back * if back > 0.0 { added } else { taken };
@@ -141,10 +117,11 @@ fn keep_rows<const EXCHANGE: bool, const BENDS: bool, const CORRECTED: bool>(
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec2;
     use proptest::prelude::*;
 
     use super::*;
-    use crate::balances::groundwater::network::tests::rows;
+    use crate::balances::groundwater::network::tests::{on_paths, rows};
     use crate::balances::row::Row;
 
     proptest! {
@@ -158,21 +135,18 @@ mod tests {
         ) {
             let mut network = rows(&lengths, reach, odd);
             let drawn = |i: usize| numbers[i * 7 % 31];
-            let mut is_path = vec![false; network.places];
-            network.each_path(|_, _, slot| is_path[slot] = true);
-            let by_slot = |first: usize| -> Vec<f64> {
-                is_path.iter().enumerate().map(|(slot, is)| if *is { drawn(slot + first) } else { 0.0 }).collect()
-            };
-            network.weights = by_slot(0).into_iter().map(f64::abs).collect();
-            network.even_weights = by_slot(3);
+            let by_slot = |first: usize| on_paths(&network, |slot| drawn(slot + first));
+            let [weights, even, carried, exchange] = [0, 3, 1, 2].map(by_slot);
+            network.weights = weights.into_iter().map(f64::abs).collect();
+            network.even_weights = even;
             network.straighten();
             let count = network.len();
             let by_particle = |first: usize| -> Vec<f64> { (0..count).map(|i| drawn(i + first)).collect() };
             let (temperature, enthalpy) = (by_particle(5), by_particle(6));
             let diagonals = network.diagonals.as_ref().expect("a lattice");
             let mut carrier = Carrier {
-                carried: by_slot(1),
-                exchange: by_slot(2).into_iter().map(f64::abs).collect(),
+                carried,
+                exchange: exchange.into_iter().map(f64::abs).collect(),
                 exchanges,
                 bends,
                 gradients: (0..count).map(|i| DVec2::new(drawn(i + 7), drawn(i + 8))).collect(),

@@ -26,6 +26,13 @@ pub(in super::super) fn rows(lengths: &[usize], reach: usize, odd: usize) -> Net
     network
 }
 
+/// Values of paths by slot; no water goes where there is no path.
+pub(in super::super) fn on_paths(network: &Network, value: impl Fn(usize) -> f64) -> Vec<f64> {
+    let mut values = vec![0.0; network.places];
+    network.each_path(|_, _, slot| values[slot] = value(slot));
+    values
+}
+
 proptest! {
     /// Gradients by diagonals, and paths beside them, are those by the arm of each path.
     #[test]
@@ -36,11 +43,7 @@ proptest! {
     ) {
         let mut network = rows(&lengths, reach, odd);
         let drawn = |i: usize| numbers[i * 7 % 31];
-        network.weights = (0..network.places).map(|slot| drawn(slot).abs()).collect();
-        // No water goes where there is no path.
-        let mut is_path = vec![false; network.places];
-        network.each_path(|_, _, slot| is_path[slot] = true);
-        network.weights.iter_mut().zip(&is_path).for_each(|(weight, is_path)| if !is_path { *weight = 0.0 });
+        network.weights = on_paths(&network, |slot| drawn(slot).abs());
         let values: Vec<f64> = (0..network.len()).map(|i| drawn(i + 5)).collect();
         let by_arms = |network: &Network, i: usize| {
             let terms = (network.starts[i]..network.starts[i + 1]).map(|k| {

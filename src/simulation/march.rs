@@ -105,6 +105,11 @@ const LOOK: u64 = 16;
 /// Looks into a step in which a gap between pipes closes, where states between steps are known.
 const LOOKS: u32 = 8;
 
+/// Part of the time until a gap closes, at the rate at which it does, that an adaptive step may take, and part of the time since the
+/// start that it may always take: the error of a step does not see that fronts are about to meet.
+const NEARER: f64 = 0.25;
+const NEAREST: f64 = 0.002;
+
 /// A run on its way.
 struct Simulation<'a> {
     scene: &'a Scene,
@@ -256,9 +261,18 @@ impl Simulation<'_> {
         (self.before.wall + wall - self.observation.wall, self.before.cpu + cpu - self.observation.cpu)
     }
 
+    /// The longest step (s): an adaptive one is short where a gap is about to close.
+    fn longest_step(&self) -> f64 {
+        let allowed = self.step.min(self.method.wanted_step());
+        if self.settings.numerics.integrator.tolerance().is_none() {
+            return allowed;
+        }
+        allowed.min((NEARER * self.observers.until_closure()).max(NEAREST * self.clock.time))
+    }
+
     /// One step towards an instant; its length (s).
     fn advance(&mut self, instant: f64) -> Result<f64, Stop> {
-        let allowed = self.step.min(self.method.wanted_step());
+        let allowed = self.longest_step();
         let clock = &mut self.clock;
         clock.turned = clock.time >= self.turn || clock.index == 0;
         if clock.turned {
@@ -279,13 +293,13 @@ impl Simulation<'_> {
     /// Takes outputs that the last step passed over, and looks into it where a gap closes in it: in the order of their times.
     fn look_back(&mut self, before: f64, made: f64) {
         let now = self.clock.time;
-        let has_crossed = self.observers.have_crossed(&self.particles, now);
+        let has_closed = self.observers.has_closed(&self.particles, now);
         // Most steps of a line have nothing to show, and take no longer than to ask the clock.
-        if !has_crossed && self.pending.peek().is_none_or(|time| *time >= now) {
+        if !has_closed && self.pending.peek().is_none_or(|time| *time >= now) {
             return;
         }
         let seen = Stopwatch::start(self.options.threads);
-        let looks = if has_crossed { 1..LOOKS } else { 1..1 };
+        let looks = if has_closed { 1..LOOKS } else { 1..1 };
         let mut looks = looks.map(|part| before + made * part as f64 / LOOKS as f64).peekable();
         while let Some(time) = self.pending.next_if(|time| *time < now) {
             while let Some(within) = looks.next_if(|within| *within < time) {

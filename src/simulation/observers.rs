@@ -44,7 +44,9 @@ use frazil_core::saved::{Pass, Saved};
 use frazil_record::RunResult;
 
 use crate::monotonicity;
+use joint::Joint;
 use observer::{End, Fractions, Maker, Observer, Setup, View, is_parted};
+use readings::is_sharp;
 
 pub use fields::map;
 pub use loads::TABLE as LOADS;
@@ -86,6 +88,8 @@ pub(crate) struct Observers {
     fractions: Fractions,
     seen: f64,
     count: usize,
+    /// Whether ground freezes at one temperature.
+    sharp: bool,
     /// The earliest time (s) at which one of them wants to see a state between outputs.
     next: f64,
 }
@@ -102,8 +106,8 @@ impl Observers {
     pub(crate) fn new(setup: &Setup<'_>) -> Self {
         let all = OBSERVERS.iter().filter_map(|(of, _)| of(setup)).collect();
         let count = if is_parted(setup.scene) { setup.particles.len() } else { 0 };
-        let (fractions, seen) = (Fractions::default(), f64::NAN);
-        let mut observers = Observers { all, fractions, seen, count, next: f64::INFINITY };
+        let (fractions, seen, sharp) = (Fractions::default(), f64::NAN, is_sharp(setup.scene));
+        let mut observers = Observers { all, fractions, seen, count, sharp, next: f64::INFINITY };
         observers.plan();
         observers
     }
@@ -132,12 +136,21 @@ impl Observers {
         self.plan();
     }
 
-    /// Whether something whose instant one of them tells has come about since the last state that it saw, by the state at a time (s).
-    pub(crate) fn have_crossed(&mut self, particles: &Particles, time: f64) -> bool {
+    fn joints(&self) -> impl Iterator<Item = &Joint> {
+        self.all.iter().flat_map(|observer| observer.joints())
+    }
+
+    /// Whether a gap that was open when it was seen last has closed, by the state at a time (s).
+    pub(crate) fn has_closed(&mut self, particles: &Particles, time: f64) -> bool {
         let fractions = self.fractions_at(time);
-        let crossed = self.all.iter().any(|observer| observer.has_crossed(particles, &fractions));
+        let crossed = self.joints().any(|joint| joint.closes(particles, &fractions, self.sharp));
         self.fractions = fractions;
         crossed
+    }
+
+    /// Time (s) until a gap closes, as far as that is known.
+    pub(crate) fn until_closure(&self) -> f64 {
+        self.joints().map(Joint::left).fold(f64::INFINITY, f64::min)
     }
 
     /// Puts all that they have seen into what the run leaves.

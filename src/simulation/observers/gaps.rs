@@ -1,18 +1,19 @@
 //! Gaps between the pipes of the first ring or row, which close once ground there is frozen with its latent heat released.
 
-use frazil_core::memory::HeapSize;
-use frazil_core::particles::Particles;
+use frazil_core::memory::total;
 use frazil_core::saved::{Pass, Saved};
 use frazil_core::space::domain::Domain;
 use frazil_record::{GapRow, RunResult};
 
 use super::joint::Joint;
-use super::observer::{Cadence, End, Fractions, Instants, Made, Moment, Observer, Schedule, Setup, View, room};
+use super::observer::{Cadence, End, Instants, Made, Moment, Observer, Schedule, Setup, View, room};
 use super::rays::{Pair, following, pairs};
 use super::readings::is_sharp;
 
 struct Gaps {
-    gaps: Vec<(GapRow, Joint)>,
+    rows: Vec<GapRow>,
+    /// Of each of them.
+    joints: Vec<Joint>,
     sharp: bool,
     cadence: Cadence,
 }
@@ -36,14 +37,14 @@ pub(super) fn of(setup: &Setup<'_>) -> Made {
         };
         (row, joint)
     };
-    let gaps: Vec<_> = match scene.domain {
+    let (rows, joints): (Vec<_>, Vec<_>) = match scene.domain {
         Domain::Ring { sector, .. } => {
             let held = pairs(ring).into_iter().filter(|pair| sector.holds(pair.angle()));
             held.map(|pair| {
                 let multiplicity = sector.multiplicity(pair.angle());
                 gap(pair, None, multiplicity)
             })
-            .collect()
+            .unzip()
         }
         Domain::Rectangle { .. } => {
             let (pairs, direction) = (following(ring), ring.direction());
@@ -52,17 +53,17 @@ pub(super) fn of(setup: &Setup<'_>) -> Made {
                 let along = pair.middle.dot(direction) - start;
                 gap(pair, Some(along), 1)
             };
-            pairs.into_iter().map(along).collect()
+            pairs.into_iter().map(along).unzip()
         }
         _ => return None,
     };
-    (!gaps.is_empty()).then(|| Box::new(Gaps { gaps, sharp, cadence: Cadence::of(scene) }) as _)
+    (!rows.is_empty()).then(|| Box::new(Gaps { rows, joints, sharp, cadence: Cadence::of(scene) }) as _)
 }
 
 impl Saved for Gaps {
     fn pass(&mut self, pass: &mut Pass<'_>) {
         self.cadence.pass(pass);
-        self.gaps.iter_mut().for_each(|(_, joint)| joint.pass(pass));
+        self.joints.iter_mut().for_each(|joint| joint.pass(pass));
     }
 }
 
@@ -75,19 +76,19 @@ impl Observer for Gaps {
         if !matches!(view.moment, Moment::Output { .. }) {
             self.cadence.seen(view.time);
         }
-        self.gaps.iter_mut().for_each(|(_, joint)| joint.look(view, self.sharp));
+        self.joints.iter_mut().for_each(|joint| joint.look(view, self.sharp));
     }
 
-    fn has_crossed(&self, particles: &Particles, fractions: &Fractions) -> bool {
-        self.gaps.iter().any(|(_, joint)| joint.closes(particles, fractions, self.sharp))
+    fn joints(&self) -> &[Joint] {
+        &self.joints
     }
 
     fn leave(self: Box<Self>, _: &End<'_>, result: &mut RunResult) {
-        let rows = self.gaps.into_iter().map(|(row, joint)| GapRow { closure_s: joint.closed, ..row });
-        result.gaps = rows.collect();
+        let rows = self.rows.into_iter().zip(self.joints);
+        result.gaps = rows.map(|(row, joint)| GapRow { closure_s: joint.closed, ..row }).collect();
     }
 
     fn held_at_the_end(&self) -> usize {
-        room(&self.gaps) + self.gaps.iter().map(|(_, joint)| joint.heap_size()).sum::<usize>()
+        room(&self.rows) + total(&[&self.joints])
     }
 }

@@ -13,12 +13,14 @@ use super::sampler::{Sample, Sampler};
 
 /// Two frozen bodies that join.
 #[derive(Debug, Clone)]
-pub(super) struct Joint {
+pub(crate) struct Joint {
     reading: Arc<Reading>,
     /// Whether it is the first with its reading.
     is_first: bool,
     /// Time and openness at the last look: positive while open.
     last: Option<(f64, f64)>,
+    /// Time (s) from the last look until it closes, at the rate between the last two; infinite where that is not known.
+    left: f64,
     pub(super) closed: Option<f64>,
 }
 
@@ -26,12 +28,18 @@ impl Joint {
     /// Of what is frozen around two pipes.
     pub(super) fn between(pipes: [DVec2; 2], setup: &Setup<'_>, sampler: &Sampler<'_>) -> Self {
         let (reading, is_first) = setup.readings.between(pipes, setup.scene, sampler);
-        Joint { reading, is_first, last: None, closed: None }
+        Joint { reading, is_first, last: None, left: f64::INFINITY, closed: None }
     }
 
     /// At a place.
     pub(super) fn at(way: Way) -> Self {
-        Joint { reading: Arc::new(Reading::Ways(vec![way])), is_first: true, last: None, closed: None }
+        Joint {
+            reading: Arc::new(Reading::Ways(vec![way])),
+            is_first: true,
+            last: None,
+            left: f64::INFINITY,
+            closed: None,
+        }
     }
 
     /// How far it is from being closed, in the ground as it is: positive while open. `sharp`: it freezes at one temperature.
@@ -67,6 +75,11 @@ impl Joint {
         self.closed.is_none() && self.openness_in(particles, fractions, sharp) <= 0.0
     }
 
+    /// Time (s) until it closes, as far as that is known.
+    pub(super) fn left(&self) -> f64 {
+        self.left
+    }
+
     /// Looks at the ground, unless it is closed.
     pub(super) fn look(&mut self, view: &View<'_>, sharp: bool) {
         if self.closed.is_none() {
@@ -84,6 +97,9 @@ impl Joint {
                 _ => time,
             });
         }
+        let rate = self.last.map_or(0.0, |(before, open)| (open - now) / (time - before));
+        // Nothing is known of a gap that was wider than can be told, and nothing is to come in one that is closed.
+        self.left = if rate > 0.0 && rate.is_finite() && now > 0.0 { now / rate } else { f64::INFINITY };
         self.last = Some((time, now));
     }
 }
@@ -95,7 +111,7 @@ fn openness(ways: &[Way], value: impl Fn(&Sample) -> f64) -> f64 {
 
 impl Saved for Joint {
     fn pass(&mut self, pass: &mut Pass<'_>) {
-        pass.all(&mut [&mut self.last, &mut self.closed]);
+        pass.all(&mut [&mut self.last, &mut self.left, &mut self.closed]);
     }
 }
 

@@ -12,6 +12,7 @@ use frazil_core::space::domain::Domain;
 use frazil_record::RunResult;
 use frazil_scene::Scene;
 
+use super::joint::Joint;
 use super::readings::Readings;
 use super::sampler::Sampler;
 use crate::march::instants::outputs;
@@ -23,10 +24,10 @@ pub trait Observer: Saved {
     fn schedule(&self) -> Schedule;
     /// Takes what it is there for off a state.
     fn observe(&mut self, view: &View<'_>);
-    /// Whether something whose instant it tells has come about since the state that it saw last: where states within the step are
-    /// known, it sees some of them then.
-    fn has_crossed(&self, _particles: &Particles, _fractions: &Fractions) -> bool {
-        false
+    /// Frozen bodies whose joining it tells the instant of: where states within steps are known, steps are shorter before it, and it sees
+    /// some states within the step in which they join.
+    fn joints(&self) -> &[Joint] {
+        &[]
     }
     /// Puts what it has seen into what the run leaves.
     fn leave(self: Box<Self>, end: &End<'_>, result: &mut RunResult);

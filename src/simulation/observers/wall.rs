@@ -3,7 +3,6 @@
 
 use crate::recorded::Recorded;
 use frazil_core::memory::total;
-use frazil_core::particles::Particles;
 use frazil_core::saved::{Pass, Saved};
 use frazil_core::space::domain::{Domain, Sector};
 use frazil_core::space::segment::distance;
@@ -15,7 +14,7 @@ use super::alike::first_alike;
 use super::joint::Joint;
 use super::lengths::{Across, excess_between, mean_length};
 use super::loops::{closure, neighbours};
-use super::observer::{Cadence, End, Fractions, Made, Moment, Observer, Schedule, Setup, View, room};
+use super::observer::{Cadence, End, Made, Moment, Observer, Schedule, Setup, View, room};
 use super::passage::{Passage, PassageFinder};
 use super::rays::{Ray, rays};
 use super::readings::{SAME_PLACE, Way, is_same, is_sharp};
@@ -469,8 +468,8 @@ impl Observer for Wall {
         }
     }
 
-    fn has_crossed(&self, particles: &Particles, fractions: &Fractions) -> bool {
-        self.joints.iter().any(|joint| joint.closes(particles, fractions, self.sharp))
+    fn joints(&self) -> &[Joint] {
+        &self.joints
     }
 
     fn leave(self: Box<Self>, _: &End<'_>, result: &mut RunResult) {

@@ -46,7 +46,6 @@ use frazil_record::RunResult;
 use crate::monotonicity;
 use joint::Joint;
 use observer::{End, Fractions, Maker, Observer, Setup, View, is_parted};
-use readings::is_sharp;
 
 pub use fields::map;
 pub use loads::TABLE as LOADS;
@@ -88,8 +87,6 @@ pub(crate) struct Observers {
     fractions: Fractions,
     seen: f64,
     count: usize,
-    /// Whether ground freezes at one temperature.
-    sharp: bool,
     /// The earliest time (s) at which one of them wants to see a state between outputs.
     next: f64,
 }
@@ -106,8 +103,8 @@ impl Observers {
     pub(crate) fn new(setup: &Setup<'_>) -> Self {
         let all = OBSERVERS.iter().filter_map(|(of, _)| of(setup)).collect();
         let count = if is_parted(setup.scene) { setup.particles.len() } else { 0 };
-        let (fractions, seen, sharp) = (Fractions::default(), f64::NAN, is_sharp(setup.scene));
-        let mut observers = Observers { all, fractions, seen, count, sharp, next: f64::INFINITY };
+        let (fractions, seen) = (Fractions::default(), f64::NAN);
+        let mut observers = Observers { all, fractions, seen, count, next: f64::INFINITY };
         observers.plan();
         observers
     }
@@ -143,7 +140,7 @@ impl Observers {
     /// Whether a gap that was open when it was seen last has closed, by the state at a time (s).
     pub(crate) fn has_closed(&mut self, particles: &Particles, time: f64) -> bool {
         let fractions = self.fractions_at(time);
-        let crossed = self.joints().any(|joint| joint.closes(particles, &fractions, self.sharp));
+        let crossed = self.joints().any(|joint| joint.closes(particles, &fractions));
         self.fractions = fractions;
         crossed
     }

@@ -8,20 +8,17 @@ use frazil_record::{GapRow, RunResult};
 use super::joint::Joint;
 use super::observer::{Cadence, End, Instants, Made, Moment, Observer, Schedule, Setup, View, room};
 use super::rays::{Pair, following, pairs};
-use super::readings::is_sharp;
 
 struct Gaps {
     rows: Vec<GapRow>,
     /// Of each of them.
     joints: Vec<Joint>,
-    sharp: bool,
     cadence: Cadence,
 }
 
 pub(super) fn of(setup: &Setup<'_>) -> Made {
     let (scene, sampler) = (setup.scene, setup.sampler());
     let ring = scene.rings.first()?;
-    let sharp = is_sharp(scene);
     let gap = |pair: Pair, along_m: Option<f64>, multiplicity: usize| {
         let joint = Joint::between(pair.places, setup, &sampler);
         let [from, to] = pair.names();
@@ -57,7 +54,7 @@ pub(super) fn of(setup: &Setup<'_>) -> Made {
         }
         _ => return None,
     };
-    (!rows.is_empty()).then(|| Box::new(Gaps { rows, joints, sharp, cadence: Cadence::of(scene) }) as _)
+    (!rows.is_empty()).then(|| Box::new(Gaps { rows, joints, cadence: Cadence::of(scene) }) as _)
 }
 
 impl Saved for Gaps {
@@ -76,7 +73,7 @@ impl Observer for Gaps {
         if !matches!(view.moment, Moment::Output { .. }) {
             self.cadence.seen(view.time);
         }
-        self.joints.iter_mut().for_each(|joint| joint.look(view, self.sharp));
+        self.joints.iter_mut().for_each(|joint| joint.look(view));
     }
 
     fn joints(&self) -> &[Joint] {

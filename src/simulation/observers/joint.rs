@@ -8,7 +8,7 @@ use frazil_core::saved::{Pass, Saved};
 use glam::DVec2;
 
 use super::observer::{Fractions, Setup, View};
-use super::readings::{Reading, Way};
+use super::readings::{Reading, Way, is_sharp};
 use super::sampler::{Sample, Sampler};
 
 /// Two frozen bodies that join.
@@ -17,6 +17,8 @@ pub(crate) struct Joint {
     reading: Arc<Reading>,
     /// Whether it is the first with its reading.
     is_first: bool,
+    /// Whether ground freezes at one temperature.
+    sharp: bool,
     /// Time and openness at the last look: positive while open.
     last: Option<(f64, f64)>,
     /// Time (s) from the last look until it closes, at the rate between the last two; infinite where that is not known.
@@ -28,29 +30,30 @@ impl Joint {
     /// Of what is frozen around two pipes.
     pub(super) fn between(pipes: [DVec2; 2], setup: &Setup<'_>, sampler: &Sampler<'_>) -> Self {
         let (reading, is_first) = setup.readings.between(pipes, setup.scene, sampler);
-        Joint { reading, is_first, last: None, left: f64::INFINITY, closed: None }
+        Joint { reading, is_first, sharp: is_sharp(setup.scene), last: None, left: f64::INFINITY, closed: None }
     }
 
-    /// At a place.
-    pub(super) fn at(way: Way) -> Self {
+    /// At a place. `sharp`: ground freezes at one temperature.
+    pub(super) fn at(way: Way, sharp: bool) -> Self {
         Joint {
             reading: Arc::new(Reading::Ways(vec![way])),
             is_first: true,
+            sharp,
             last: None,
             left: f64::INFINITY,
             closed: None,
         }
     }
 
-    /// How far it is from being closed, in the ground as it is: positive while open. `sharp`: it freezes at one temperature.
-    fn openness_in(&self, particles: &Particles, fractions: &Fractions, sharp: bool) -> f64 {
+    /// How far it is from being closed, in the ground as it is: positive while open.
+    fn openness_in(&self, particles: &Particles, fractions: &Fractions) -> f64 {
         let ways = match &*self.reading {
             Reading::Neck(neck) => {
                 return neck.width(fractions.of(particles));
             }
             Reading::Ways(ways) => ways,
         };
-        match sharp {
+        match self.sharp {
             // Enthalpy above the frozen state, in units of the latent heat.
             true => openness(ways, |sample| {
                 sample.of(|i| {
@@ -63,16 +66,16 @@ impl Joint {
     }
 
     /// Whether open ground parts both bodies now.
-    pub(super) fn is_open(&self, particles: &Particles, fractions: &Fractions, sharp: bool) -> bool {
+    pub(super) fn is_open(&self, particles: &Particles, fractions: &Fractions) -> bool {
         match &*self.reading {
             Reading::Neck(neck) => !neck.has_met(fractions.of(particles)),
-            Reading::Ways(_) => self.openness_in(particles, fractions, sharp) > 0.0,
+            Reading::Ways(_) => self.openness_in(particles, fractions) > 0.0,
         }
     }
 
     /// Whether it was open at the last look and is closed now.
-    pub(super) fn closes(&self, particles: &Particles, fractions: &Fractions, sharp: bool) -> bool {
-        self.closed.is_none() && self.openness_in(particles, fractions, sharp) <= 0.0
+    pub(super) fn closes(&self, particles: &Particles, fractions: &Fractions) -> bool {
+        self.closed.is_none() && self.openness_in(particles, fractions) <= 0.0
     }
 
     /// Time (s) until it closes, as far as that is known.
@@ -81,9 +84,9 @@ impl Joint {
     }
 
     /// Looks at the ground, unless it is closed.
-    pub(super) fn look(&mut self, view: &View<'_>, sharp: bool) {
+    pub(super) fn look(&mut self, view: &View<'_>) {
         if self.closed.is_none() {
-            self.take(view.time, self.openness_in(view.particles, &view.fractions, sharp));
+            self.take(view.time, self.openness_in(view.particles, &view.fractions));
         }
     }
 

@@ -52,13 +52,13 @@ impl Across {
         }
     }
 
-    /// Frozen length (m), and by how much it is read as too long on the line alone. `sharp`: ground freezes at one temperature.
-    pub(super) fn frozen(&self, view: &View<'_>, sharp: bool) -> (f64, f64) {
+    /// Frozen length (m), and by how much it is read as too long on the line alone.
+    pub(super) fn frozen(&self, view: &View<'_>) -> (f64, f64) {
         let fractions = view.fractions();
         let alone = self.alone.of(|i| fractions[i]);
         // What is read beside a line may leave less than nothing on it.
         let length = (alone - self.excess.of(|i| fractions[i])).max(0.0);
-        let is_open = || self.joint.as_ref().is_some_and(|joint| joint.is_open(view.particles, &view.fractions, sharp));
+        let is_open = || self.joint.as_ref().is_some_and(|joint| joint.is_open(view.particles, &view.fractions));
         let length = if length > 0.0 && is_open() { 0.0 } else { length };
         (length, alone - length)
     }
@@ -71,9 +71,9 @@ impl HeapSize for Across {
 }
 
 /// Mean frozen length over lines (m), each for all that it stands for.
-pub(super) fn mean_length(lines: &[Across], view: &View<'_>, sharp: bool) -> f64 {
+pub(super) fn mean_length(lines: &[Across], view: &View<'_>) -> f64 {
     let weights: usize = lines.iter().map(|line| line.multiplicity).sum();
-    let lengths = lines.iter().map(|line| line.multiplicity as f64 * line.frozen(view, sharp).0);
+    let lengths = lines.iter().map(|line| line.multiplicity as f64 * line.frozen(view).0);
     lengths.sum::<f64>() / weights.max(1) as f64
 }
 

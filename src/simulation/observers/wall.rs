@@ -161,7 +161,7 @@ impl Wall {
                         }
                         false => Way::Through(sampler.sample(arc), Vec::new()),
                     };
-                    self.joints.push(Joint::at(way));
+                    self.joints.push(Joint::at(way, self.sharp));
                     joints[self.lines.len() - 1].1 = Some(self.joints.len() - 1);
                 }
                 self.lines.len() - 1
@@ -215,7 +215,7 @@ impl Wall {
             let Some(ray) = ray else { continue };
             let fraction: Vec<f64> = ray.samples.iter().map(|sample| sample.of(|i| fractions[i])).collect();
             let face = particles.shaft.unwrap_or(0.0);
-            let (_, excess) = lines[0].frozen(view, self.sharp);
+            let (_, excess) = lines[0].frozen(view);
             let ends = ends(&ray.radii, &fraction).and_then(|ends| narrowed(ends, excess));
             let ends = ends.map(|(inner, outer)| (inner.max(face), outer));
             let mean_temperature = |ends: (f64, f64)| {
@@ -366,7 +366,7 @@ impl Wall {
 
     /// Takes thicknesses, what is frozen and what a pipe takes.
     fn row(&mut self, view: &View<'_>, stand: Option<(bool, f64)>) {
-        let length = |lines: &Vec<Across>| mean_length(lines, view, self.sharp);
+        let length = |lines: &Vec<Across>| mean_length(lines, view);
         let [main, interface] = self.across.each_ref().map(length);
         let heat = -view.ledger.rings().sum::<f64>();
         self.rows.push(WallRow {
@@ -454,7 +454,7 @@ impl Observer for Wall {
 
     fn observe(&mut self, view: &View<'_>) {
         // At outputs too: a wall that is open there closes later.
-        self.joints.iter_mut().for_each(|joint| joint.look(view, self.sharp));
+        self.joints.iter_mut().for_each(|joint| joint.look(view));
         if !matches!(view.moment, Moment::Output { .. }) {
             self.cadence.seen(view.time);
             return;

@@ -7,6 +7,7 @@ use frazil_core::particles::Particles;
 use frazil_core::saved::{Pass, Saved};
 use glam::DVec2;
 
+use super::neck::Neck;
 use super::observer::{Fractions, Setup, View};
 use super::readings::{Reading, Way, is_sharp};
 use super::sampler::{Sample, Sampler};
@@ -49,7 +50,10 @@ impl Joint {
     fn openness_in(&self, particles: &Particles, fractions: &Fractions) -> f64 {
         let ways = match &*self.reading {
             Reading::Neck(neck) => {
-                return neck.width(fractions.of(particles));
+                return match is_wide(neck, particles) {
+                    true => f64::INFINITY,
+                    false => neck.width(fractions.of(particles)),
+                };
             }
             Reading::Ways(ways) => ways,
         };
@@ -68,7 +72,7 @@ impl Joint {
     /// Whether open ground parts both bodies now.
     pub(super) fn is_open(&self, particles: &Particles, fractions: &Fractions) -> bool {
         match &*self.reading {
-            Reading::Neck(neck) => !neck.has_met(fractions.of(particles)),
+            Reading::Neck(neck) => is_wide(neck, particles) || !neck.has_met(fractions.of(particles)),
             Reading::Ways(_) => self.openness_in(particles, fractions) > 0.0,
         }
     }
@@ -105,6 +109,11 @@ impl Joint {
         self.left = if rate > 0.0 && rate.is_finite() && now > 0.0 { now / rate } else { f64::INFINITY };
         self.last = Some((time, now));
     }
+}
+
+/// Whether open ground is wider than can be told, as long as heat alone tells it: fractions of all particles take longer.
+fn is_wide(neck: &Neck, particles: &Particles) -> bool {
+    neck.is_wide(|i| particles.materials.of(i).frozen_fraction(particles.enthalpy[i]) == 0.0)
 }
 
 /// How far the first of ways to freeze is from it.

@@ -64,6 +64,9 @@ pub(super) struct Neck {
     ways: Vec<Way>,
     /// Mean square distance from a way of all that is read for it, in ways.
     spread: f64,
+    /// Particles at the bends and beside them: while nothing of these is frozen, all bends are open. None where a bend is not all within
+    /// particles, and so never open.
+    at_bends: Vec<u32>,
 }
 
 impl Neck {
@@ -93,7 +96,19 @@ impl Neck {
             Way { gate: sampler.sample(bend), lengths: Sample(lengths) }
         };
         let spread = MEAN_SQUARE + OF_A_CELL * (spacing / apart).powi(2);
-        Neck { ways: (-count..=count).map(|k| way(middle + k as f64 * apart * across)).collect(), spread }
+        let ways: Vec<Way> = (-count..=count).map(|k| way(middle + k as f64 * apart * across)).collect();
+        let bends = &ways[AROUND / 2..ways.len() - AROUND / 2];
+        let at_bends = match bends.iter().all(|way| way.gate.of(|_| 1.0) >= OPEN) {
+            true => around(bends, sampler),
+            false => Vec::new(),
+        };
+        Neck { ways, spread, at_bends }
+    }
+
+    /// Whether the bends of all ways are open, so that the open ground is wider than can be told, by whether heat says of a particle that
+    /// nothing of it is frozen. What fronts say of a particle beside which nothing is frozen is the same.
+    pub(super) fn is_wide(&self, is_unfrozen: impl Fn(usize) -> bool) -> bool {
+        !self.at_bends.is_empty() && self.at_bends.iter().all(|i| is_unfrozen(*i as usize))
     }
 
     /// Width (m) of the open ground where it is narrowest, by the frozen fractions of particles. Nothing, or less, once both bodies have
@@ -130,6 +145,21 @@ impl Neck {
     }
 }
 
+/// Particles at bends and beside them.
+fn around(bends: &[Way], sampler: &Sampler<'_>) -> Vec<u32> {
+    let mut around = Vec::new();
+    for (i, _) in bends.iter().flat_map(|way| &way.gate.0) {
+        let (column, row) = sampler.lattice.cell(*i as usize);
+        let cross = [(0, 0), (-1, 0), (1, 0), (0, -1), (0, 1)];
+        let there = cross.iter().filter_map(|(dx, dy)| sampler.lattice.index(column + dx, row + dy));
+        around.extend(there.map(|i| i as u32));
+    }
+    around.sort_unstable();
+    around.dedup();
+    around.shrink_to_fit();
+    around
+}
+
 /// The least of a parabola, within half a way of the middle, by three means over ways that lie `spread` from the middle ones.
 fn narrowest([before, here, after]: [f64; 3], spread: f64) -> f64 {
     let next = NEXT as f64;
@@ -140,7 +170,7 @@ fn narrowest([before, here, after]: [f64; 3], spread: f64) -> f64 {
 
 impl HeapSize for Neck {
     fn heap_size(&self) -> usize {
-        total(&[&self.ways])
+        total(&[&self.ways, &self.at_bends])
     }
 }
 
@@ -192,6 +222,8 @@ mod tests {
             // Where both overlap, widths are cut off at nothing.
             prop_assert!(found <= open.max(0.0) + tolerance, "{found} for {open}");
             prop_assert!(found < 0.0 || open > -0.1 * 0.1, "{found} for {open}");
+            // By then bends are no longer open.
+            prop_assert!(!neck.is_wide(|i| frozen[i] == 0.0), "{found} for {open}");
         }
     }
 
@@ -202,5 +234,28 @@ mod tests {
         let [none, all] = [0.0, 1.0].map(|frozen| vec![frozen; lattice.len()]);
         assert_eq!(neck.width(&none), f64::INFINITY);
         assert!(neck.width(&all) <= 0.0);
+        assert!(!neck.is_wide(|_| false));
+    }
+
+    /// Ground between two discs that grow is told to be wide until a bend is beside what is frozen, and then the width is told.
+    #[test]
+    fn wide_ground_has_no_width() {
+        let lattice = Lattice::new(&Domain::Ring { outer_radius: 1.6, sector: Sector::Whole }, 0.1);
+        for turn in [0.0, 0.3, 0.9, 2.0] {
+            let aside = 0.6 * DVec2::from_angle(turn);
+            let discs = [-aside, aside];
+            let neck = Neck::between(discs, &Sampler::on(&lattice));
+            let mut last = true;
+            for radius in (10..60).map(|k| 0.01 * f64::from(k)) {
+                let frozen: Vec<f64> = (0..lattice.len()).map(|i| 1.0 - share(&lattice, i, discs, radius)).collect();
+                let (is_wide, width) = (neck.is_wide(|i| frozen[i] == 0.0), neck.width(&frozen));
+                assert!(last || !is_wide, "{turn} {radius}");
+                assert!(!is_wide || width == f64::INFINITY, "{turn} {radius}: {width}");
+                // Bends are read over two spacings, and beside them one more.
+                assert!(is_wide || 0.6 - radius < 3.0 * 0.1, "{turn} {radius}");
+                last = is_wide;
+            }
+            assert!(!last);
+        }
     }
 }

@@ -1,48 +1,170 @@
 //! Threads that share the steps of a body.
 //!
-//! A step of a small body is over before a thread that sleeps has woken. So those of a team look for the next step for a while before
-//! they sleep, and the one that leads looks for the others to be done in the same way.
+//! A step of a small body is over before a thread that sleeps has woken, or a queue has handed it over. So those of a team look for the
+//! next work, which is told by one number, for a while before they sleep, and the one that leads looks for the others to be done in the
+//! same way.
 
+use std::any::Any;
+use std::cell::UnsafeCell;
 use std::hint::spin_loop;
-use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
-use std::thread::yield_now;
+use std::io;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, TryLockError};
+use std::thread::{Builder, JoinHandle, yield_now};
 use std::time::{Duration, Instant};
-
-use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 
 /// How long a thread looks for others before it sleeps: some times what waking it takes.
 const PATIENCE: Duration = Duration::from_micros(100);
 
-/// Looks in which a thread that has done its part leaves the work.
-const FAREWELL: u32 = 8;
-
 /// Looks between two at the clock, after which a thread lets others have its processor.
 const LOOKS: u32 = 64;
 
+/// What the number of a work tells beside it: the followers that have a part of it. There are fewer.
+const FOLLOWERS: u64 = 1 << 16;
+
+/// That there is no work any more.
+const OVER: u64 = u64::MAX;
+
 /// A leader, which is the thread that calls, and those that work beside it.
 #[derive(Clone)]
-pub struct Team {
-    followers: Arc<ThreadPool>,
-    /// How many works were begun.
-    begun: Arc<AtomicU64>,
+pub struct Team(Arc<Followers>);
+
+/// Threads beside the leader; they end with it.
+struct Followers {
+    shared: Arc<Shared>,
+    threads: Vec<JoinHandle<()>>,
+    /// Held by the one that leads: another that shares a work meanwhile, or a part of it that does, works alone.
+    leading: Mutex<()>,
 }
 
-/// Waits until something is so, for as long as threads have patience.
-fn await_awake(is_so: impl Fn() -> bool) {
+/// What a leader and its followers tell each other.
+#[derive(Default)]
+struct Shared {
+    /// How many works were begun, times [`FOLLOWERS`], and how many followers have a part of the last one.
+    begun: AtomicU64,
+    /// Followers that have yet to do their part.
+    left: AtomicUsize,
+    work: Work,
+    /// What a part has panicked with.
+    panic: Mutex<Option<Box<dyn Any + Send>>>,
+    /// Followers that sleep or are about to, and whether the leader does.
+    sleepers: AtomicUsize,
+    leader_sleeps: AtomicBool,
+    bed: Mutex<()>,
+    morning: Condvar,
+    done: Condvar,
+}
+
+/// The work at hand: what each follower is to do, by its number.
+#[derive(Default)]
+struct Work(UnsafeCell<Option<*const (dyn Fn(usize) + Sync)>>);
+
+// SAFETY: the leader writes it while no follower has a part, and those that have one read it after the leader has said so.
+unsafe impl Send for Work {}
+// SAFETY: as above.
+unsafe impl Sync for Work {}
+
+/// Parts of a work, each of which one thread takes.
+struct Parts<P>(Vec<UnsafeCell<Option<P>>>);
+
+// SAFETY: each part is taken by one thread.
+unsafe impl<P: Send> Sync for Parts<P> {}
+
+/// Looks whether something is so, for as long as threads have patience; whether it is.
+fn await_awake(is_so: impl Fn() -> bool) -> bool {
     let mut since = None;
     loop {
         for _ in 0..LOOKS {
             if is_so() {
-                return;
+                return true;
             }
             spin_loop();
         }
         if since.get_or_insert_with(Instant::now).elapsed() > PATIENCE {
-            return;
+            return false;
         }
         // Where others want this processor, one of them may be the thread that is waited for.
         yield_now();
+    }
+}
+
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Shared {
+    /// Waits for the next work after one; its number.
+    fn next(&self, known: u64) -> u64 {
+        let is_new = || self.begun.load(Ordering::SeqCst) != known;
+        if !await_awake(is_new) {
+            let mut bed = locked(&self.bed);
+            self.sleepers.fetch_add(1, Ordering::SeqCst);
+            while !is_new() {
+                bed = self.morning.wait(bed).unwrap_or_else(PoisonError::into_inner);
+            }
+            self.sleepers.fetch_sub(1, Ordering::SeqCst);
+        }
+        self.begun.load(Ordering::SeqCst)
+    }
+
+    /// Tells of a work.
+    fn begin(&self, number: u64) {
+        self.begun.store(number, Ordering::SeqCst);
+        if self.sleepers.load(Ordering::SeqCst) > 0 {
+            let _bed = locked(&self.bed);
+            self.morning.notify_all();
+        }
+    }
+
+    /// What a follower does until there is no work any more.
+    fn follow(&self, follower: usize) {
+        let mut known = 0;
+        loop {
+            known = self.next(known);
+            if known == OVER {
+                return;
+            }
+            if follower as u64 >= known % FOLLOWERS {
+                continue;
+            }
+            // SAFETY: the leader has written it before it told of the work, and waits for this follower before it writes again or what
+            // it points at ends.
+            if let Some(work) = unsafe { *self.work.0.get() } {
+                // SAFETY: as above.
+                let part = AssertUnwindSafe(|| unsafe { (*work)(follower) });
+                if let Err(panic) = catch_unwind(part) {
+                    *locked(&self.panic) = Some(panic);
+                }
+            }
+            if self.left.fetch_sub(1, Ordering::SeqCst) == 1 && self.leader_sleeps.load(Ordering::SeqCst) {
+                let _bed = locked(&self.bed);
+                self.done.notify_all();
+            }
+        }
+    }
+
+    /// Waits until all followers have done their part.
+    fn wait(&self) {
+        let are_done = || self.left.load(Ordering::SeqCst) == 0;
+        if !await_awake(are_done) {
+            let mut bed = locked(&self.bed);
+            self.leader_sleeps.store(true, Ordering::SeqCst);
+            while !are_done() {
+                bed = self.done.wait(bed).unwrap_or_else(PoisonError::into_inner);
+            }
+            self.leader_sleeps.store(false, Ordering::SeqCst);
+        }
+    }
+}
+
+impl Drop for Followers {
+    fn drop(&mut self) {
+        self.shared.begin(OVER);
+        for thread in self.threads.drain(..) {
+            // What a follower panics with is kept for the leader: none ends in one.
+            let _ = thread.join();
+        }
     }
 }
 
@@ -51,50 +173,71 @@ impl Team {
     ///
     /// # Errors
     /// Threads that the system does not give.
-    pub fn new(threads: usize) -> Result<Option<Self>, ThreadPoolBuildError> {
+    pub fn new(threads: usize) -> io::Result<Option<Self>> {
         if threads <= 1 {
             return Ok(None);
         }
-        let followers = ThreadPoolBuilder::new().num_threads(threads - 1).build()?;
-        Ok(Some(Team { followers: Arc::new(followers), begun: Arc::default() }))
+        if threads as u64 >= FOLLOWERS {
+            return Err(io::Error::other(format!("at most {} threads", FOLLOWERS - 1)));
+        }
+        let mut followers =
+            Followers { shared: Arc::new(Shared::default()), threads: Vec::new(), leading: Mutex::new(()) };
+        for follower in 0..threads - 1 {
+            let shared = followers.shared.clone();
+            followers.threads.push(Builder::new().spawn(move || shared.follow(follower))?);
+        }
+        Ok(Some(Team(Arc::new(followers))))
     }
 
     /// Its threads.
     pub fn threads(&self) -> usize {
-        self.followers.current_num_threads() + 1
+        self.0.threads.len() + 1
     }
 
     /// Does all parts of a work side by side, one for each thread, the last by the leader.
-    pub fn share<P: Send>(&self, mut parts: impl DoubleEndedIterator<Item = P>, one: impl Fn(P) + Sync) {
-        let Some(own) = parts.next_back() else { return };
-        let (one, left) = (&one, &AtomicUsize::new(0));
-        self.followers.in_place_scope(|scope| {
-            let mut followers = 0;
-            for part in parts {
-                left.fetch_add(1, Ordering::Relaxed);
-                followers += 1;
-                scope.spawn(move |_| {
-                    one(part);
-                    left.fetch_sub(1, Ordering::Release);
-                });
+    pub fn share<P: Send>(&self, parts: impl Iterator<Item = P>, one: impl Fn(P) + Sync) {
+        let parts = Parts(parts.map(|part| UnsafeCell::new(Some(part))).collect());
+        let Some(others) = parts.0.len().checked_sub(1) else { return };
+        let parts = &parts;
+        let followers = others.min(self.0.threads.len());
+        let take = |number: usize| {
+            // SAFETY: each number is asked for once.
+            if let Some(part) = unsafe { (*parts.0[number].get()).take() } {
+                one(part);
             }
-            let now = self.begun.fetch_add(1, Ordering::Release) + 1;
-            // Those that have done their part look for the next work.
-            for _ in 0..followers {
-                let begun = self.begun.clone();
-                self.followers.spawn(move || await_awake(|| begun.load(Ordering::Acquire) != now));
-            }
-            one(own);
-            await_awake(|| left.load(Ordering::Acquire) == 0);
-            // The last of them has yet to say so to the scope, which sleeps at once where it has not.
-            (0..FAREWELL).for_each(|_| spin_loop());
-        });
+        };
+        let leading = match followers {
+            0 => None,
+            _ => match self.0.leading.try_lock() {
+                // Whoever led before has panicked, after its work was done.
+                Err(TryLockError::Poisoned(poisoned)) => Some(poisoned.into_inner()),
+                free => free.ok(),
+            },
+        };
+        let Some(_leading) = leading else {
+            (0..=others).for_each(take);
+            return;
+        };
+        let work = |follower: usize| (follower..others).step_by(followers).for_each(take);
+        let work: &(dyn Fn(usize) + Sync) = &work;
+        let shared = &self.0.shared;
+        // SAFETY: followers are waited for before it ends, and before this is written again; that it lives longer is said to the
+        // compiler alone.
+        unsafe { *shared.work.0.get() = Some(std::mem::transmute::<&(dyn Fn(usize) + Sync), _>(work)) };
+        shared.left.store(followers, Ordering::SeqCst);
+        shared.begin((shared.begun.load(Ordering::SeqCst) / FOLLOWERS + 1) * FOLLOWERS + followers as u64);
+        let own = catch_unwind(AssertUnwindSafe(|| take(others)));
+        shared.wait();
+        let panic = own.err().or_else(|| locked(&shared.panic).take());
+        if let Some(panic) = panic {
+            resume_unwind(panic);
+        }
     }
 
     /// Does the parts of a work, of which each thread takes the next one whenever it has done one.
     pub fn take_turns<P: Send>(&self, parts: impl Iterator<Item = P> + Send, one: impl Fn(P) + Sync) {
         let parts = Mutex::new(parts);
-        let next = || parts.lock().unwrap_or_else(PoisonError::into_inner).next();
+        let next = || locked(&parts).next();
         self.share(0..self.threads(), |_| {
             while let Some(part) = next() {
                 one(part);
@@ -122,5 +265,37 @@ mod tests {
         team.take_turns(numbers.chunks_mut(7).enumerate(), |(task, numbers)| numbers.fill(task));
         assert!(numbers.iter().enumerate().all(|(place, task)| place / 7 == *task));
         assert!(Team::new(1).expect("threads").is_none());
+    }
+
+    /// More parts than threads, fewer, none, and parts that share a work themselves.
+    #[test]
+    fn works_of_any_number_of_parts_are_done() {
+        let team = Team::new(3).expect("threads").expect("a team");
+        for count in [0, 1, 2, 3, 4, 17] {
+            let mut counts = vec![0_u32; count];
+            team.share(counts.iter_mut(), |count| {
+                let mut within = [0; 4];
+                team.share(within.iter_mut(), |within| *within += 1);
+                *count += within.iter().sum::<u32>();
+            });
+            assert_eq!(counts, vec![4; count]);
+        }
+    }
+
+    /// A panic of a part reaches the leader once all parts are done, and the team works on.
+    #[test]
+    fn a_panic_reaches_the_leader() {
+        let team = Team::new(3).expect("threads").expect("a team");
+        for bad in 0..3 {
+            let done = AtomicUsize::new(0);
+            let work = AssertUnwindSafe(|| {
+                team.share(0..3, |part| {
+                    assert_ne!(part, bad);
+                    done.fetch_add(1, Ordering::SeqCst);
+                });
+            });
+            assert!(catch_unwind(work).is_err());
+            assert_eq!(done.load(Ordering::SeqCst), 2);
+        }
     }
 }

@@ -228,8 +228,9 @@ impl Team {
         shared.begin((shared.begun.load(Ordering::SeqCst) / FOLLOWERS + 1) * FOLLOWERS + followers as u64);
         let own = catch_unwind(AssertUnwindSafe(|| take(others)));
         shared.wait();
-        let panic = own.err().or_else(|| locked(&shared.panic).take());
-        if let Some(panic) = panic {
+        // Taken in any case: none is left for the next work.
+        let of_others = locked(&shared.panic).take();
+        if let Some(panic) = own.err().or(of_others) {
             resume_unwind(panic);
         }
     }
@@ -297,5 +298,8 @@ mod tests {
             assert!(catch_unwind(work).is_err());
             assert_eq!(done.load(Ordering::SeqCst), 2);
         }
+        let all = AssertUnwindSafe(|| team.share(0..3, |part| assert_eq!(part, 3)));
+        assert!(catch_unwind(all).is_err());
+        team.share(0..3, |_| {});
     }
 }

@@ -333,7 +333,7 @@ fn diagonals_are_pairs(sites: &[(i64, i64)], columns: i64) {
     };
 
     let mut image = vec![0.0; count];
-    diagonals.places.spread(&values, &mut padded);
+    diagonals.places.spread(None, &values, &mut padded);
     diagonals.multiply([&sums, &rest, &padded], 0, &mut image);
     let by_pairs = |i: usize| sums[i] * values[i] - of(i).map(|j| weight(i, j) * values[j]).sum::<f64>();
     check("product", &image, &(0..count).map(by_pairs).collect::<Vec<_>>());

@@ -3,6 +3,9 @@
 //! A step of a small body is over before a thread that sleeps has woken, or a queue has handed it over. So those of a team look for the
 //! next work, which is told by one number, for a while before they sleep, and the one that leads looks for the others to be done in the
 //! same way.
+//!
+//! Nobody waits for a thread that has not come: where other programs keep processors busy, one that is called may come long after
+//! the work is over. What it would have done, others do, and only those that have joined a work are waited for.
 
 use std::any::Any;
 use std::cell::UnsafeCell;
@@ -20,12 +23,6 @@ const PATIENCE: Duration = Duration::from_micros(100);
 /// Looks between two at the clock, after which a thread lets others have its processor.
 const LOOKS: u32 = 64;
 
-/// What the number of a work tells beside it: the followers that have a part of it. There are fewer.
-const FOLLOWERS: u64 = 1 << 16;
-
-/// That there is no work any more.
-const OVER: u64 = u64::MAX;
-
 /// A leader, which is the thread that calls, and those that work beside it.
 #[derive(Clone)]
 pub struct Team(Arc<Followers>);
@@ -38,18 +35,53 @@ struct Followers {
     leading: Mutex<()>,
 }
 
+/// A work as it is told: its number, how many followers are called, whether they may still join, and how many have joined and
+/// are not done.
+#[derive(Clone, Copy, PartialEq, Eq)]
+struct Call(u64);
+
+impl Call {
+    /// One more that has joined.
+    const JOINED: u64 = 1;
+    const MOST_JOINED: u64 = (1 << 16) - 1;
+    const IS_OPEN: u64 = 1 << 16;
+    /// One more that is called.
+    const CALLED: u64 = 1 << 17;
+    const MOST_CALLED: u64 = (1 << 15) - 1;
+    /// The next number.
+    const NEXT: u64 = 1 << 32;
+    /// That there is no work any more.
+    const OVER: Call = Call(u64::MAX);
+
+    /// The next call, of so many followers.
+    fn next(self, followers: usize) -> Call {
+        let number = self.number().wrapping_add(1).wrapping_mul(Call::NEXT);
+        Call(number + followers as u64 * Call::CALLED + Call::IS_OPEN)
+    }
+
+    fn number(self) -> u64 {
+        self.0 / Call::NEXT
+    }
+
+    /// Whether a follower may join.
+    fn is_open_to(self, follower: usize) -> bool {
+        self.0 & Call::IS_OPEN != 0 && (follower as u64) < (self.0 / Call::CALLED) & Call::MOST_CALLED
+    }
+
+    /// Whether all that have joined are done.
+    fn is_done(self) -> bool {
+        self.0 & Call::MOST_JOINED == 0
+    }
+}
+
 /// What a leader and its followers tell each other.
 #[derive(Default)]
 struct Shared {
-    /// How many works were begun, times [`FOLLOWERS`], and how many followers have a part of the last one.
-    begun: AtomicU64,
-    /// Followers that have yet to do their part.
-    left: AtomicUsize,
+    /// The last [`Call`].
+    call: AtomicU64,
     work: Work,
-    /// What a part has panicked with.
-    panic: Mutex<Option<Box<dyn Any + Send>>>,
-    /// Followers that sleep or are about to, and whether the leader does.
-    sleepers: AtomicUsize,
+    /// Whether followers sleep or are about to, and whether the leader does.
+    followers_sleep: AtomicBool,
     leader_sleeps: AtomicBool,
     bed: Mutex<()>,
     morning: Condvar,
@@ -60,7 +92,7 @@ struct Shared {
 #[derive(Default)]
 struct Work(UnsafeCell<Option<*const (dyn Fn(usize) + Sync)>>);
 
-// SAFETY: the leader writes it while no follower has a part, and those that have one read it after the leader has said so.
+// SAFETY: the leader writes it while no follower has joined a work, and those that do join read it after the leader has told of the next.
 unsafe impl Send for Work {}
 // SAFETY: as above.
 unsafe impl Sync for Work {}
@@ -70,6 +102,10 @@ struct Parts<P>(Vec<UnsafeCell<Option<P>>>);
 
 // SAFETY: each part is taken by one thread.
 unsafe impl<P: Send> Sync for Parts<P> {}
+
+/// The next part of those that are a thread's own, away from that of others in memory.
+#[repr(align(128))]
+struct Turn(AtomicUsize);
 
 /// Looks whether something is so, for as long as threads have patience; whether it is.
 fn await_awake(is_so: impl Fn() -> bool) -> bool {
@@ -94,24 +130,31 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 impl Shared {
-    /// Waits for the next work after one; its number.
-    fn next(&self, known: u64) -> u64 {
-        let is_new = || self.begun.load(Ordering::SeqCst) != known;
+    fn call(&self) -> Call {
+        Call(self.call.load(Ordering::SeqCst))
+    }
+
+    /// Waits for a call of another number.
+    fn next(&self, known: u64) -> Call {
+        let is_new = || self.call().number() != known || self.call() == Call::OVER;
         if !await_awake(is_new) {
             let mut bed = locked(&self.bed);
-            self.sleepers.fetch_add(1, Ordering::SeqCst);
-            while !is_new() {
+            loop {
+                // Said before the last look: a leader that calls after it sees a sleeper.
+                self.followers_sleep.store(true, Ordering::SeqCst);
+                if is_new() {
+                    break;
+                }
                 bed = self.morning.wait(bed).unwrap_or_else(PoisonError::into_inner);
             }
-            self.sleepers.fetch_sub(1, Ordering::SeqCst);
         }
-        self.begun.load(Ordering::SeqCst)
+        self.call()
     }
 
     /// Tells of a work.
-    fn begin(&self, number: u64) {
-        self.begun.store(number, Ordering::SeqCst);
-        if self.sleepers.load(Ordering::SeqCst) > 0 {
+    fn tell(&self, call: Call) {
+        self.call.store(call.0, Ordering::SeqCst);
+        if self.followers_sleep.swap(false, Ordering::SeqCst) {
             let _bed = locked(&self.bed);
             self.morning.notify_all();
         }
@@ -119,34 +162,39 @@ impl Shared {
 
     /// What a follower does until there is no work any more.
     fn follow(&self, follower: usize) {
-        let mut known = 0;
+        let mut call = Call(0);
         loop {
-            known = self.next(known);
-            if known == OVER {
+            call = self.next(call.number());
+            if call == Call::OVER {
                 return;
             }
-            if follower as u64 >= known % FOLLOWERS {
-                continue;
-            }
-            // SAFETY: the leader has written it before it told of the work, and waits for this follower before it writes again or what
-            // it points at ends.
-            if let Some(work) = unsafe { *self.work.0.get() } {
-                // SAFETY: as above.
-                let part = AssertUnwindSafe(|| unsafe { (*work)(follower) });
-                if let Err(panic) = catch_unwind(part) {
-                    *locked(&self.panic) = Some(panic);
+            if self.join(call.number(), follower) {
+                // SAFETY: the leader has written it before it told of the work, and waits for this follower, which has joined, before it
+                // writes again or what it points at ends.
+                if let Some(work) = unsafe { *self.work.0.get() } {
+                    // SAFETY: as above.
+                    unsafe { (*work)(follower) };
                 }
-            }
-            if self.left.fetch_sub(1, Ordering::SeqCst) == 1 && self.leader_sleeps.load(Ordering::SeqCst) {
-                let _bed = locked(&self.bed);
-                self.done.notify_all();
+                let before = Call(self.call.fetch_sub(Call::JOINED, Ordering::SeqCst));
+                if Call(before.0 - Call::JOINED).is_done() && self.leader_sleeps.load(Ordering::SeqCst) {
+                    let _bed = locked(&self.bed);
+                    self.done.notify_all();
+                }
             }
         }
     }
 
-    /// Waits until all followers have done their part.
-    fn wait(&self) {
-        let are_done = || self.left.load(Ordering::SeqCst) == 0;
+    /// Joins the work of a number, if that is the last and open.
+    fn join(&self, number: u64, follower: usize) -> bool {
+        let may = |call: Call| call.number() == number && call.is_open_to(follower) && call != Call::OVER;
+        let joined = |call| may(Call(call)).then_some(call + Call::JOINED);
+        self.call.fetch_update(Ordering::SeqCst, Ordering::SeqCst, joined).is_ok()
+    }
+
+    /// Lets nobody join any more, and waits until all that have are done.
+    fn close(&self) {
+        self.call.fetch_and(!Call::IS_OPEN, Ordering::SeqCst);
+        let are_done = || self.call().is_done();
         if !await_awake(are_done) {
             let mut bed = locked(&self.bed);
             self.leader_sleeps.store(true, Ordering::SeqCst);
@@ -158,11 +206,20 @@ impl Shared {
     }
 }
 
+/// Closes a work, however the leader's own part of it ends.
+struct Closing<'a>(&'a Shared);
+
+impl Drop for Closing<'_> {
+    fn drop(&mut self) {
+        self.0.close();
+    }
+}
+
 impl Drop for Followers {
     fn drop(&mut self) {
-        self.shared.begin(OVER);
+        self.shared.tell(Call::OVER);
         for thread in self.threads.drain(..) {
-            // What a follower panics with is kept for the leader: none ends in one.
+            // What a part panics with is kept for the leader: no follower ends in a panic.
             let _ = thread.join();
         }
     }
@@ -177,8 +234,8 @@ impl Team {
         if threads <= 1 {
             return Ok(None);
         }
-        if threads as u64 >= FOLLOWERS {
-            return Err(io::Error::other(format!("at most {} threads", FOLLOWERS - 1)));
+        if threads as u64 > Call::MOST_CALLED {
+            return Err(io::Error::other(format!("at most {} threads", Call::MOST_CALLED)));
         }
         let mut followers =
             Followers { shared: Arc::new(Shared::default()), threads: Vec::new(), leading: Mutex::new(()) };
@@ -194,56 +251,59 @@ impl Team {
         self.0.threads.len() + 1
     }
 
-    /// Does all parts of a work side by side, one for each thread, the last by the leader.
+    /// Does all parts of a work side by side: each thread its own, which follow each other and are the same each time, for what it
+    /// has read before is nearer to it than to others; and then those that others have not begun.
+    ///
+    /// # Panics
+    /// As a part does, once all parts are done.
     pub fn share<P: Send>(&self, parts: impl Iterator<Item = P>, one: impl Fn(P) + Sync) {
         let parts = Parts(parts.map(|part| UnsafeCell::new(Some(part))).collect());
-        let Some(others) = parts.0.len().checked_sub(1) else { return };
         let parts = &parts;
-        let followers = others.min(self.0.threads.len());
-        let take = |number: usize| {
-            // SAFETY: each number is asked for once.
-            if let Some(part) = unsafe { (*parts.0[number].get()).take() } {
-                one(part);
+        let panic: Mutex<Option<Box<dyn Any + Send>>> = Mutex::new(None);
+        let count = parts.0.len();
+        let threads = self.threads().min(count);
+        let first = |thread: usize| count * thread / threads;
+        let turns: Vec<Turn> = (0..threads).map(|thread| Turn(AtomicUsize::new(first(thread)))).collect();
+        let work = |own: usize| {
+            for thread in (own..threads).chain(0..own) {
+                loop {
+                    let number = turns[thread].0.fetch_add(1, Ordering::Relaxed);
+                    if number >= first(thread + 1) {
+                        break;
+                    }
+                    // SAFETY: each number comes up once.
+                    if let Some(part) = unsafe { (*parts.0[number].get()).take() }
+                        && let Err(cause) = catch_unwind(AssertUnwindSafe(|| one(part)))
+                    {
+                        *locked(&panic) = Some(cause);
+                    }
+                }
             }
         };
-        let leading = match followers {
-            0 => None,
-            _ => match self.0.leading.try_lock() {
-                // Whoever led before has panicked, after its work was done.
-                Err(TryLockError::Poisoned(poisoned)) => Some(poisoned.into_inner()),
-                free => free.ok(),
-            },
-        };
-        let Some(_leading) = leading else {
-            (0..=others).for_each(take);
-            return;
-        };
-        let work = |follower: usize| (follower..others).step_by(followers).for_each(take);
-        let work: &(dyn Fn(usize) + Sync) = &work;
-        let shared = &self.0.shared;
-        // SAFETY: followers are waited for before it ends, and before this is written again; that it lives longer is said to the
-        // compiler alone.
-        unsafe { *shared.work.0.get() = Some(std::mem::transmute::<&(dyn Fn(usize) + Sync), _>(work)) };
-        shared.left.store(followers, Ordering::SeqCst);
-        shared.begin((shared.begun.load(Ordering::SeqCst) / FOLLOWERS + 1) * FOLLOWERS + followers as u64);
-        let own = catch_unwind(AssertUnwindSafe(|| take(others)));
-        shared.wait();
-        // Taken in any case: none is left for the next work.
-        let of_others = locked(&shared.panic).take();
-        if let Some(panic) = own.err().or(of_others) {
-            resume_unwind(panic);
+        self.lead(threads, &work);
+        if let Some(cause) = panic.into_inner().unwrap_or_else(PoisonError::into_inner) {
+            resume_unwind(cause);
         }
     }
 
-    /// Does the parts of a work, of which each thread takes the next one whenever it has done one.
-    pub fn take_turns<P: Send>(&self, parts: impl Iterator<Item = P> + Send, one: impl Fn(P) + Sync) {
-        let parts = Mutex::new(parts);
-        let next = || locked(&parts).next();
-        self.share(0..self.threads(), |_| {
-            while let Some(part) = next() {
-                one(part);
-            }
-        });
+    /// Does a work by so many threads, of which this is the last; alone where another leads already.
+    fn lead(&self, threads: usize, work: &(dyn Fn(usize) + Sync)) {
+        let Some(followers) = threads.checked_sub(1) else { return };
+        let leading = match self.0.leading.try_lock() {
+            _ if followers == 0 => None,
+            Err(TryLockError::Poisoned(poisoned)) => Some(poisoned.into_inner()),
+            free => free.ok(),
+        };
+        if leading.is_none() {
+            return work(followers);
+        }
+        let shared = &self.0.shared;
+        // SAFETY: nobody has joined; those that do are waited for before it ends, and before this is written again. That it lives longer
+        // is said to the compiler alone.
+        unsafe { *shared.work.0.get() = Some(std::mem::transmute::<&(dyn Fn(usize) + Sync), _>(work)) };
+        shared.tell(shared.call().next(followers));
+        let _closing = Closing(shared);
+        work(followers);
     }
 }
 
@@ -263,9 +323,27 @@ mod tests {
         }
         assert_eq!(counts, [200; 3]);
         let mut numbers = [0; 1000];
-        team.take_turns(numbers.chunks_mut(7).enumerate(), |(task, numbers)| numbers.fill(task));
+        team.share(numbers.chunks_mut(7).enumerate(), |(task, numbers)| numbers.fill(task));
         assert!(numbers.iter().enumerate().all(|(place, task)| place / 7 == *task));
         assert!(Team::new(1).expect("threads").is_none());
+    }
+
+    /// Followers that do not come, as where other programs keep their processors busy, are not waited for.
+    #[test]
+    fn a_leader_does_what_nobody_has_begun() {
+        let nobody = Followers { shared: Arc::new(Shared::default()), threads: Vec::new(), leading: Mutex::new(()) };
+        let team = Team(Arc::new(nobody));
+        for round in 1..10_u64 {
+            let done = AtomicUsize::new(0);
+            team.lead(3, &|own| {
+                done.fetch_add(1 + own, Ordering::SeqCst);
+                let call = team.0.shared.call();
+                assert!(call.number() == round && call.is_open_to(1) && !call.is_open_to(2));
+            });
+            // One who comes now does not join.
+            assert!(!team.0.shared.join(round, 0));
+            assert_eq!(done.load(Ordering::SeqCst), 3);
+        }
     }
 
     /// More parts than threads, fewer, none, and parts that share a work themselves.

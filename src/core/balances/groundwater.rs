@@ -19,7 +19,7 @@ use crate::balances::groundwater::ground::Flow;
 use crate::balances::groundwater::network::Network;
 use crate::balances::groundwater::numerics::{Advection, FlowNumerics};
 use crate::balances::groundwater::pressure::Pressure;
-use crate::balances::groundwater::tasks::{each, tasks};
+use crate::balances::groundwater::tasks::{each, sum, tasks};
 use crate::balances::groundwater::velocity::velocities;
 use crate::boundary::patch::Face;
 use crate::ledger::Sum;
@@ -94,6 +94,8 @@ struct Groundwater {
     steepness: Vec<f64>,
     conductivity: Vec<f64>,
     walls: Vec<f64>,
+    /// Sums of tasks.
+    sums: Vec<f64>,
     displaced: Displaced,
     last_solution: f64,
     interval: f64,
@@ -165,9 +167,10 @@ impl Groundwater {
     /// Whether permeabilities, walls or ice have changed enough for another solution by this time (s).
     fn is_due(&mut self, time: f64) -> bool {
         let since = time - self.last_solution;
-        let permeability = self.permeability.iter().zip(&self.solved);
-        let changed: f64 =
-            permeability.zip(&self.steepness).map(|((now, then), steep)| (now - then).abs() * steep).sum();
+        let Groundwater { permeability, solved, steepness, team, sums, .. } = self;
+        let count = permeability.len();
+        let (now, then, steep) = (&permeability[..count], &solved[..count], &steepness[..count]);
+        let changed = sum(team.as_ref(), sums, count, |i| (now[i] - then[i]).abs() * steep[i]);
         let allowed = self.numerics.pressure_change * self.across;
         let lasts = if changed > 0.0 { since * allowed / changed } else { f64::INFINITY };
         self.lasts = lasts.min(self.numerics.pressure_interval);

@@ -90,7 +90,7 @@ impl ListParts {
     pub(super) fn in_tasks_of<R: Send>(&self, length: usize, rows: &mut [R], fill: impl Fn(usize, &mut [R]) + Sync) {
         let task = |(number, rows): (usize, &mut [R])| fill(number * length, rows);
         match &self.team {
-            Some(team) if rows.len() > MANY => team.take_turns(rows.chunks_mut(length).enumerate(), task),
+            Some(team) if rows.len() > MANY => team.share(rows.chunks_mut(length).enumerate(), task),
             _ => rows.chunks_mut(length).enumerate().for_each(task),
         }
     }
@@ -119,7 +119,7 @@ impl ListParts {
             }
         };
         match &self.team {
-            Some(team) if count > MANY => team.take_turns(tasks.into_iter(), one),
+            Some(team) if count > MANY => team.share(tasks.into_iter(), one),
             _ => tasks.into_iter().for_each(one),
         }
     }

@@ -100,7 +100,7 @@ impl Runs {
         };
         match team {
             Some(team) if self.bands.len() > 1 => {
-                team.take_turns(self.bands.iter().zip(rate.chunks_mut(BAND)).enumerate(), task);
+                team.share(self.bands.iter().zip(rate.chunks_mut(BAND)).enumerate(), task);
             }
             _ => self.bands.iter().zip(rate.chunks_mut(BAND)).enumerate().for_each(task),
         }

@@ -92,7 +92,7 @@ impl RandomField {
             factors.iter_mut().zip(places).for_each(|(factor, place)| *factor = self.at(*place));
         };
         match team {
-            Some(team) => team.take_turns(tasks, fill),
+            Some(team) => team.share(tasks, fill),
             None => tasks.for_each(fill),
         }
         factors.into()

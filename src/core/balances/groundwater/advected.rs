@@ -2,16 +2,17 @@
 
 use frazil_record::plain;
 
+use crate::balances::groundwater::Groundwater;
 use crate::balances::groundwater::bend::Bend;
 use crate::balances::groundwater::carrier::State;
 use crate::balances::groundwater::network::MOST_WALLS;
 use crate::balances::groundwater::surfaces::Crossed;
-use crate::balances::groundwater::{Groundwater, diagonals};
+use crate::balances::groundwater::tasks::{sum, tasks};
 use crate::boundary::patch::{Boundary, Face};
 use crate::memory::{HeapSize, total};
 use crate::particles::Particles;
 use crate::saved::{Pass, Saved};
-use crate::solvers::balance::{Balance, BalanceFacts, Companion, Rates, Tangent, TangentShape, Update};
+use crate::solvers::balance::{Balance, BalanceFacts, Companion, Rates, StageColumns, Tangent, TangentShape, Update};
 use crate::solvers::solver::Water;
 use crate::solvers::step::{Bound, Clock, StepError};
 
@@ -86,10 +87,11 @@ impl AdvectedHeat {
             let carried = mouth.inflow * (entering - zero) - mouth.outflow * (temperature[i] - zero);
             patches[network.patches[mouth.wall as usize]] += volume * capacity * carried;
         }
-        let kept = &carrier.kept[..enthalpy.len()];
-        let kept = diagonals::sum(kept.len(), |i| kept[i] * (temperature[i] - zero));
-        patches[patches.len() - 1] = -volume * capacity * kept;
-        let Groundwater { network, carrier, temperature, materials, team, .. } = &mut self.water;
+        let Groundwater { network, carrier, temperature, materials, team, volume, capacity, sums, .. } =
+            &mut self.water;
+        let (count, kept, held) = (enthalpy.len(), &carrier.kept[..enthalpy.len()], &temperature[..enthalpy.len()]);
+        let stays = sum(team.as_ref(), sums, count, |i| kept[i] * (held[i] - zero));
+        patches[patches.len() - 1] = -*volume * *capacity * stays;
         let enthalpy_at = |particle: usize, temperature: f64| materials.of(particle).enthalpy(temperature);
         let state = State {
             temperature,
@@ -165,7 +167,11 @@ impl Balance for AdvectedHeat {
             Update::Stage(stage, columns) => {
                 rate.resize(columns.newest.len(), 0.0);
                 (self as &mut dyn Balance).rates(columns.newest, clock, &mut rate, patches);
-                stage.take(columns, &rate);
+                let StageColumns { newest, oldest, start, first: rates } = columns;
+                tasks(self.water.team.as_ref(), oldest, |from, oldest| {
+                    let [newest, start, first] = [&newest[from..], &start[from..], &rates[from..]];
+                    stage.take(&mut StageColumns { newest, oldest, start, first }, &rate[from..]);
+                });
             }
         }
         self.rate = rate;

@@ -166,6 +166,7 @@ impl Groundwater {
             steepness: vec![1.0; count],
             conductivity: vec![0.0; count],
             walls: vec![0.0; flow.walls.len()],
+            sums: Vec::new(),
             displaced: Displaced::default(),
             last_solution: 0.0,
             interval: 0.0,

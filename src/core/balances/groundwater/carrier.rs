@@ -22,7 +22,7 @@ use crate::balances::groundwater::diagonals::{BENT, sum};
 use crate::balances::groundwater::network::{NONE, Network};
 use crate::balances::groundwater::numerics::Advection;
 use crate::balances::groundwater::pressure::Pressure;
-use crate::balances::groundwater::tasks::{each, tasks, when};
+use crate::balances::groundwater::tasks::{each, tasks, tasks_of_two, when};
 use crate::balances::groundwater::velocity::velocities;
 use crate::balances::row::Row;
 use crate::memory::{HeapSize, total};
@@ -242,11 +242,13 @@ impl Carrier {
             network.by_path(team, (&pressure.conductances, values), &mut columns[0], sent, carried);
         }
         last.resize(carried.len(), 0.0);
-        for (carried, last) in carried.iter_mut().zip(last) {
-            let now = *carried;
-            *carried += ground.ahead * (now - *last);
-            *last = now;
-        }
+        tasks_of_two(team, (carried, last), |_, carried, last| {
+            for (carried, last) in carried.iter_mut().zip(last) {
+                let now = *carried;
+                *carried += ground.ahead * (now - *last);
+                *last = now;
+            }
+        });
         network.sums(team, [carried; 3], |[carried, ..], earlier| if earlier { -carried } else { carried }, kept);
         for kept in kept {
             *kept /= half;
@@ -265,11 +267,13 @@ impl Carrier {
             };
             network.sums(team, [carried, beside, beside], stiff, sums);
         } else {
-            let slots = carried.iter().zip(beside.iter()).zip(conducted);
-            for (added, ((carried, beside), conducted)) in exchange.iter_mut().zip(slots) {
-                let most = carried.abs() - beside;
-                *added = if advection == Advection::Upwind { most } else { (most - conducted).max(0.0) };
-            }
+            tasks(team, exchange, |first, exchange| {
+                let slots = carried[first..].iter().zip(&beside[first..]).zip(&conducted[first..]);
+                for (added, ((carried, beside), conducted)) in exchange.iter_mut().zip(slots) {
+                    let most = carried.abs() - beside;
+                    *added = if advection == Advection::Upwind { most } else { (most - conducted).max(0.0) };
+                }
+            });
             let stiff = |[carried, beside, added]: [f64; 3], earlier: bool| {
                 (if earlier { beside - carried } else { beside + carried } + added).max(0.0)
             };
@@ -323,7 +327,7 @@ impl Carrier {
         match &network.diagonals {
             Some(diagonals) if !bends => {
                 let [column, ..] = &mut self.columns;
-                diagonals.places.spread(temperature, column);
+                diagonals.places.spread(team, temperature, column);
                 let exchange = when(self.exchanges, &self.exchange);
                 tasks(team, rate, |first, rates| {
                     diagonals.carry(&self.carried, exchange, &self.columns[0], first, rates);

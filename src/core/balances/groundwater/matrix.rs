@@ -184,7 +184,7 @@ mod tests {
                 }
             }
             let (diagonal, mut column) = (drawn(count, 3), vec![0.0; own.padded()]);
-            own.places.spread(&drawn(count, 11), &mut column);
+            own.places.spread(None, &drawn(count, 11), &mut column);
             let (mut wide, mut plain) = (vec![0.0; count], vec![0.0; count]);
             multiply(&own, &diagonal, &rest, &column, 0, &mut wide);
             multiply_rows(&own, &diagonal, &rest, &column, 0, &mut plain);

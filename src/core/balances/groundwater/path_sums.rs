@@ -21,7 +21,7 @@ impl Network {
         let Some(diagonals) = &self.diagonals else {
             return self.each_path(|i, j, slot| out[slot] = value(column[slot], field[i], field[j]));
         };
-        diagonals.places.spread(field, places);
+        diagonals.places.spread(team, field, places);
         let places = &*places;
         let (pad, stride) = (diagonals.places.room, diagonals.stride);
         let parts = diagonals.offsets.iter().zip(out.chunks_mut(stride)).zip(column.chunks(stride));
@@ -77,7 +77,7 @@ impl Network {
                 *slope = paths.map(|k| half(self.slots[k], i, self.partners[k]) * self.arms[k]).sum();
             });
         };
-        diagonals.places.spread(field, places);
+        diagonals.places.spread(team, field, places);
         let places = &*places;
         tasks(team, slopes, |first, slopes| diagonals.slopes((factors, &self.reaches), places, first, slopes));
         for odd in &self.odd_arms {

@@ -10,6 +10,7 @@
 
 mod bands;
 mod coarse;
+mod envelope;
 mod seams;
 
 use glam::DVec2;
@@ -20,6 +21,7 @@ use self::seams::Seams;
 use crate::balances::groundwater::diagonals::{Diagonals, sum};
 use crate::balances::groundwater::error::GroundwaterError;
 use crate::balances::groundwater::network::{NONE, Network, Opening};
+use crate::balances::groundwater::tasks::each;
 use crate::bonds::exchange::Mean;
 use crate::instruction_set::widest;
 use crate::memory::{HeapSize, total};
@@ -166,7 +168,7 @@ impl Pressure {
             Mean::Arithmetic => self.assemble(network, conductivity, walls, taken, |a, b| 0.5 * (a + b)),
             Mean::Geometric => self.assemble(network, conductivity, walls, taken, |a, b| (a * b).sqrt()),
         }
-        self.coarse.assemble(network, &self.diagonal, &self.rest);
+        self.coarse.assemble(network, &self.diagonal, &self.rest, &self.bands);
         let norm = |column: &[f64]| dot(column, column).sqrt();
         let limit = match passing > 0.0 {
             true => (TOLERANCE * passing).max(ROUNDING * norm(&self.right)),
@@ -174,7 +176,7 @@ impl Pressure {
         };
         // The balance of each block first.
         self.face(network);
-        self.coarse.correct(&mut self.pressure, &mut self.residual);
+        self.coarse.correct(&mut self.pressure, &mut self.residual, &self.bands);
         let (mut last, mut count) = (0.0, 0);
         let mut left = self.left();
         while left > limit {
@@ -193,7 +195,7 @@ impl Pressure {
             count += 1;
         }
         // Rounding of the sums over iterations.
-        self.coarse.correct(&mut self.pressure, &mut self.residual);
+        self.coarse.correct(&mut self.pressure, &mut self.residual, &self.bands);
         self.solutions += 1;
         self.iterations += count as u64;
         Ok(())
@@ -230,9 +232,7 @@ impl Pressure {
         let conductance = |weight: f64, i: f64, j: f64| if weight == 0.0 { 0.0 } else { weight * mean(i, j) };
         network.by_path(team, (&network.weights, conductivity), places, conductance, conductances);
         network.sums(team, [conductances; 3], |[conductance, ..], _| conductance, diagonal);
-        for (rest, conductance) in rest.iter_mut().zip(conductances) {
-            *rest = -*conductance;
-        }
+        each(team, rest, |slot, rest| *rest = -conductances[slot]);
         for (i, right) in right.iter_mut().enumerate() {
             *right = taken.map_or(0.0, |taken| -taken[i]);
         }

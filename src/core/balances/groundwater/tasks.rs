@@ -1,5 +1,6 @@
 //! Work in parts that do not depend on the number of threads.
 
+use crate::balances::groundwater::diagonals;
 use crate::team::Team;
 
 /// Particles that one task handles; fixed, so that results do not depend on the number of threads.
@@ -11,6 +12,12 @@ const MANY: usize = 8 * TASK;
 /// A column, if it is used.
 pub(super) fn when(used: bool, column: &[f64]) -> &[f64] {
     if used { column } else { &[] }
+}
+
+/// Those of some particles, ascending, that are among so many from one on.
+pub(super) fn among(particles: &[u32], first: usize, count: usize) -> impl Iterator<Item = usize> + '_ {
+    let before = particles.partition_point(|particle| (*particle as usize) < first);
+    particles[before..].iter().map(|particle| *particle as usize).take_while(move |particle| *particle < first + count)
 }
 
 /// Does something to tasks of fixed size, by the number of their first row.
@@ -30,6 +37,16 @@ pub(super) fn tasks_of_two<T: Send, U: Send>(
     share(team, count, parts, |(number, (rows, others))| one(number * TASK, rows, others));
 }
 
+/// The sum of so many terms, task by task; `sums` is room for those of tasks.
+pub(super) fn sum(team: Option<&Team>, sums: &mut Vec<f64>, count: usize, term: impl Fn(usize) -> f64 + Sync) -> f64 {
+    sums.resize(count.div_ceil(TASK), 0.0);
+    share(team, count, sums.iter_mut().enumerate(), |(number, sum)| {
+        let first = number * TASK;
+        *sum = diagonals::sum(TASK.min(count - first), |i| term(first + i));
+    });
+    sums.iter().sum()
+}
+
 /// Does parts of a work on so many rows, side by side if they are many.
 pub(super) fn share<P: Send>(
     team: Option<&Team>,
@@ -38,7 +55,7 @@ pub(super) fn share<P: Send>(
     one: impl Fn(P) + Sync,
 ) {
     match team {
-        Some(team) if count > MANY => team.take_turns(parts, one),
+        Some(team) if count > MANY => team.share(parts, one),
         _ => parts.for_each(one),
     }
 }

@@ -4,7 +4,7 @@
 use crate::balances::groundwater::carrier::{Carrier, State};
 use crate::balances::groundwater::diagonals::{Carried, Diagonals, Fields};
 use crate::balances::groundwater::network::Network;
-use crate::balances::groundwater::tasks::{each, tasks, tasks_of_two, when};
+use crate::balances::groundwater::tasks::{among, each, tasks, tasks_of_two, when};
 use crate::balances::row::Row;
 
 impl Carrier {
@@ -23,21 +23,29 @@ impl Carrier {
     }
 
     fn gather_diagonals(&mut self, network: &Network, diagonals: &Diagonals, state: &State<'_>, rows: &mut [Row]) {
-        let copied = [state.temperature, state.enthalpy, &self.conducted];
-        for (column, values) in self.columns.iter_mut().zip(copied).filter(|pair| !pair.1.is_empty()) {
-            diagonals.places.spread(values, column);
-        }
-        if self.bends {
-            let [_, _, _, x, y, ..] = &mut self.columns;
-            diagonals.places.each(|i, place| (x[place], y[place]) = (self.gradients[i].x, self.gradients[i].y));
-        }
-        let (carried, fields) = (self.carried(network), self.fields());
-        tasks(state.team, rows, |first, rows| diagonals.gather(&carried, &fields, first, rows));
-        if self.bends {
-            for i in &network.aside {
-                rows[*i as usize] = self.row_by_paths(network, state, *i as usize);
+        let Carrier { columns, conducted, gradients, .. } = self;
+        let [of_temperature, of_enthalpy, of_conducted, x, y, ..] = columns.each_mut().map(|column| &mut column[..]);
+        let columns = [of_temperature, of_enthalpy, of_conducted, x, y];
+        diagonals.places.fill(state.team, columns, |particles, [of_temperature, of_enthalpy, of_conducted, x, y]| {
+            of_temperature.copy_from_slice(&state.temperature[particles.clone()]);
+            of_enthalpy.copy_from_slice(&state.enthalpy[particles.clone()]);
+            if !conducted.is_empty() {
+                of_conducted.copy_from_slice(&conducted[particles.clone()]);
             }
-        }
+            if !gradients.is_empty() {
+                for ((gradient, x), y) in gradients[particles].iter().zip(x).zip(y) {
+                    (*x, *y) = (gradient.x, gradient.y);
+                }
+            }
+        });
+        let (carried, fields) = (self.carried(network), self.fields());
+        let aside = if self.bends { &network.aside[..] } else { &[] };
+        tasks(state.team, rows, |first, rows| {
+            diagonals.gather(&carried, &fields, first, rows);
+            for i in among(aside, first, rows.len()) {
+                rows[i - first] = self.row_by_paths(network, state, i);
+            }
+        });
     }
 
     /// What paths carry, by diagonals.

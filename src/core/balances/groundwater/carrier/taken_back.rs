@@ -6,7 +6,7 @@ use crate::balances::groundwater::diagonals::{
 };
 use crate::balances::groundwater::network::Network;
 use crate::balances::groundwater::places::Stretch;
-use crate::balances::groundwater::tasks::{each, tasks};
+use crate::balances::groundwater::tasks::{among, each, tasks};
 use crate::instruction_set::widest;
 
 impl Carrier {
@@ -30,19 +30,22 @@ impl Carrier {
 
     /// Puts what the marked particles keep into the sums.
     fn take_back_by_diagonals(&mut self, network: &Network, diagonals: &Diagonals, state: &State<'_>) {
-        let [.., up, down] = &mut self.columns;
-        diagonals.places.each(|i, place| (up[place], down[place]) = self.limits[i]);
+        let Carrier { limits, columns: [.., up, down], .. } = self;
+        diagonals.places.fill(state.team, [up, down], |particles, [up, down]| {
+            for ((limits, up), down) in limits[particles].iter().zip(up).zip(down) {
+                (*up, *down) = *limits;
+            }
+        });
         let mut sums = std::mem::take(&mut self.sums);
         let (carried, fields, shares) = (self.carried(network), self.fields(), self.shares());
+        let aside = if self.bends { &network.aside[..] } else { &[] };
         tasks(state.team, &mut sums, |first, sums| {
             let marked = &self.marked[first..first + sums.len()];
             diagonals.take_back(&carried, &fields, (shares, marked), first, sums);
-        });
-        if self.bends {
-            for i in network.aside.iter().map(|i| *i as usize).filter(|i| self.marked[*i]) {
-                sums[i] = self.taken_back(network, state, i);
+            for i in among(aside, first, sums.len()).filter(|i| self.marked[*i]) {
+                sums[i - first] = self.taken_back(network, state, i);
             }
-        }
+        });
         self.sums = sums;
     }
 

@@ -1,5 +1,7 @@
 //! Bands of the body, whose parts of a solution are found side by side.
 
+use std::ops::Range;
+
 use crate::balances::groundwater::diagonals::LANES;
 use crate::balances::groundwater::network::Network;
 use crate::memory::HeapSize;
@@ -83,7 +85,27 @@ impl Bands {
 
     /// A band's part of a column of particles.
     pub(super) fn part<'a, T>(&self, band: &Band, column: &'a [T]) -> &'a [T] {
-        &column[band.first..(band.first + self.size).min(column.len())]
+        &column[self.particles(band, column.len())]
+    }
+
+    /// A band's particles, of so many in all.
+    pub(super) fn particles(&self, band: &Band, count: usize) -> Range<usize> {
+        band.first..(band.first + self.size).min(count)
+    }
+
+    /// The parts of a column of entries, of which each particle has those from its start on.
+    pub(super) fn rows<'a>(
+        &'a self,
+        starts: &'a [usize],
+        mut column: &'a mut [f64],
+    ) -> impl Iterator<Item = (&'a Band, &'a mut [f64])> + Send {
+        self.bands.iter().map(move |band| {
+            let particles = self.particles(band, starts.len() - 1);
+            let (part, after) =
+                std::mem::take(&mut column).split_at_mut(starts[particles.end] - starts[particles.start]);
+            column = after;
+            (band, part)
+        })
     }
 
     /// The parts of a column of particles.
@@ -122,7 +144,7 @@ impl Bands {
     /// Does parts of a work side by side, if there are several bands.
     pub(super) fn each<P: Send>(&self, parts: impl Iterator<Item = P> + Send, one: impl Fn(P) + Sync) {
         match &self.team {
-            Some(team) if self.bands.len() > 1 => team.take_turns(parts, one),
+            Some(team) if self.bands.len() > 1 => team.share(parts, one),
             _ => parts.for_each(one),
         }
     }

@@ -1,7 +1,8 @@
 //! Cholesky's factor of a symmetric positive matrix whose entries are all near its diagonal.
 //!
-//! It stands as an upper triangle, of whose rows each ends with its last entry that is not zero or that of an earlier row. What a row
-//! finds is taken from all later ones at once: a sum over a row would have to end before the next can begin.
+//! It stands as an upper triangle, of whose rows each ends with its last entry that is not zero or that of an earlier row. What rows
+//! find is taken from all later ones at once: a sum over a row would have to end before the next can begin. Four rows end
+//! alike and are solved together: what they write is read again as it was written, which a processor does not wait for.
 
 use crate::instruction_set::widest;
 use crate::memory::{HeapSize, total};
@@ -9,17 +10,14 @@ use crate::memory::{HeapSize, total};
 /// A pivot over the largest entry of the diagonal below which a row has no balance of its own.
 const PIVOT: f64 = 1e-14;
 
-/// Numbers that are added side by side.
-const LANES: usize = 8;
-
-/// Unknowns just found that come last into the sum for the next: all others are added meanwhile.
-const NEAR: usize = 4;
+/// Rows that are solved together, and numbers that are read together.
+const FOUR: usize = 4;
 
 /// The matrix, and then its factor.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Envelope {
-    /// After the last column of each row; ascending.
-    ends: Vec<usize>,
+    /// Rows that the matrix has; some of zeros follow.
+    count: usize,
     /// Start of each row's entries, its diagonal, and the end of the last.
     starts: Vec<usize>,
     entries: Vec<f64>,
@@ -29,23 +27,25 @@ pub(super) struct Envelope {
 
 impl HeapSize for Envelope {
     fn heap_size(&self) -> usize {
-        total(&[&self.ends, &self.starts]) + total(&[&self.entries, &self.inverses])
+        self.starts.heap_size() + total(&[&self.entries, &self.inverses])
     }
 }
 
 impl Envelope {
     /// Room for a matrix whose lower triangle has rows that begin at these columns.
     pub(super) fn new(firsts: &[usize]) -> Self {
-        let mut ends: Vec<usize> = (1..=firsts.len()).collect();
+        let count = firsts.len();
+        let mut ends: Vec<usize> = (1..=count.next_multiple_of(FOUR)).map(|end| end.next_multiple_of(FOUR)).collect();
         for (row, first) in firsts.iter().enumerate() {
-            ends[*first] = ends[*first].max(row + 1);
+            let fours = &mut ends[first / FOUR * FOUR..][..FOUR];
+            fours.fill(fours[0].max((row + 1).next_multiple_of(FOUR)));
         }
-        let mut starts = vec![0];
-        for row in 0..ends.len() {
-            ends[row] = ends[row].max(if row > 0 { ends[row - 1] } else { 0 });
-            starts.push(starts[row] + ends[row] - row);
+        let (mut starts, mut end) = (vec![0], 0);
+        for (row, own) in ends.iter().enumerate() {
+            end = end.max(*own);
+            starts.push(starts[row] + end - row);
         }
-        Envelope { entries: vec![0.0; starts[ends.len()]], inverses: vec![0.0; ends.len()], ends, starts }
+        Envelope { count, entries: vec![0.0; starts[ends.len()]], inverses: vec![0.0; ends.len()], starts }
     }
 
     /// Zeros everywhere.
@@ -64,8 +64,24 @@ impl Envelope {
     }
 
     /// Solves in place; what has no pivot is zero.
-    pub(super) fn solve(&self, column: &mut [f64]) {
+    pub(super) fn solve(&self, column: &mut Vec<f64>) {
+        column.resize(self.inverses.len(), 0.0);
         solve(self, column);
+        column.truncate(self.count);
+    }
+
+    /// Four rows from one on: the first entries of each, up to the last of the four, its diagonal among them; and the others of
+    /// each.
+    #[inline(always)]
+    fn four(&self, row: usize) -> ([[f64; FOUR]; FOUR], [&[f64]; FOUR]) {
+        let (mut near, mut far) = ([[0.0; FOUR]; FOUR], [&self.entries[..0]; FOUR]);
+        let beyond = self.starts[row + 1] - self.starts[row] - FOUR;
+        for k in 0..FOUR {
+            let (own, more) = self.entries[self.starts[row + k]..self.starts[row + k + 1]].split_at(FOUR - k);
+            near[k][k..].copy_from_slice(own);
+            far[k] = &more[..beyond];
+        }
+        (near, far)
     }
 }
 
@@ -92,41 +108,55 @@ fn factorise_rows(Envelope { starts, entries, inverses, .. }: &mut Envelope) {
 }
 
 #[inline(always)]
-fn solve_rows(Envelope { ends, starts, entries, inverses }: &Envelope, column: &mut [f64]) {
-    let row_of = |row: usize| &entries[starts[row] + 1..starts[row + 1]];
-    for (row, inverse) in inverses.iter().enumerate() {
-        let value = column[row] * inverse;
-        column[row] = value;
-        for (later, entry) in column[row + 1..ends[row]].iter_mut().zip(row_of(row)) {
-            *later -= entry * value;
+fn solve_rows(factor: &Envelope, column: &mut [f64]) {
+    let count = factor.inverses.len();
+    for row in (0..count).step_by(FOUR) {
+        let (near, far) = factor.four(row);
+        let (own, later) = column[row..].split_at_mut(FOUR);
+        let mut found = [0.0; FOUR];
+        for k in 0..FOUR {
+            let mut left = own[k];
+            for before in 0..k {
+                left -= near[before][k] * found[before];
+            }
+            found[k] = left * factor.inverses[row + k];
+        }
+        own.copy_from_slice(&found);
+        let later = later.as_chunks_mut::<FOUR>().0;
+        let [a, b, c, d] = far.map(|far| far.as_chunks::<FOUR>().0);
+        for ((later, (a, b)), (c, d)) in later.iter_mut().zip(a.iter().zip(b)).zip(c.iter().zip(d)) {
+            for lane in 0..FOUR {
+                let left = later[lane] - a[lane] * found[0] - b[lane] * found[1];
+                later[lane] = left - c[lane] * found[2] - d[lane] * found[3];
+            }
         }
     }
-    for (row, inverse) in inverses.iter().enumerate().rev() {
-        let (own, found) = (row_of(row), &column[row + 1..ends[row]]);
-        let near = NEAR.min(own.len());
-        let mut left = column[row] - sum(&own[near..], &found[near..]);
-        for k in (0..near).rev() {
-            left -= own[k] * found[k];
+    for row in (0..count).step_by(FOUR).rev() {
+        let (near, far) = factor.four(row);
+        let (own, later) = column[row..].split_at_mut(FOUR);
+        let later = later[..far[0].len()].as_chunks::<FOUR>().0;
+        let [a, b, c, d] = far.map(|far| far.as_chunks::<FOUR>().0);
+        // Those just found come last.
+        let mut sums = [[0.0; FOUR]; FOUR];
+        for ((later, (a, b)), (c, d)) in later.iter().zip(a.iter().zip(b)).zip(c.iter().zip(d)).rev() {
+            for lane in 0..FOUR {
+                sums[0][lane] += a[lane] * later[lane];
+                sums[1][lane] += b[lane] * later[lane];
+                sums[2][lane] += c[lane] * later[lane];
+                sums[3][lane] += d[lane] * later[lane];
+            }
         }
-        column[row] = left * inverse;
-    }
-}
-
-/// The sum of products, by lanes and then by halves of them.
-#[inline(always)]
-fn sum(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; LANES];
-    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<LANES>(), b.as_chunks::<LANES>());
-    for (a, b) in a.iter().zip(b) {
-        for lane in 0..LANES {
-            sums[lane] += a[lane] * b[lane];
+        let mut found = [0.0; FOUR];
+        for k in (0..FOUR).rev() {
+            let [a, b, c, d] = sums[k];
+            let mut left = own[k] - ((a + c) + (b + d));
+            for after in (k + 1..FOUR).rev() {
+                left -= near[k][after] * found[after];
+            }
+            found[k] = left * factor.inverses[row + k];
         }
+        own.copy_from_slice(&found);
     }
-    for (sum, (a, b)) in sums.iter_mut().zip(a_rest.iter().zip(b_rest)) {
-        *sum += a * b;
-    }
-    let [a, b, c, d, e, f, g, h] = sums;
-    ((a + e) + (c + g)) + ((b + f) + (d + h))
 }
 
 #[cfg(test)]
@@ -173,9 +203,10 @@ mod tests {
             let mut column: Vec<f64> =
                 matrix.iter().map(|row| row.iter().zip(&expected).map(|(entry, value)| entry * value).sum()).collect();
             let mut same = column.clone();
+            same.resize(plain.inverses.len(), 0.0);
             envelope.solve(&mut column);
             solve_rows(&plain, &mut same);
-            prop_assert_eq!(&column, &same);
+            prop_assert_eq!(&column, &same[..count]);
             // Rounding of sixty terms, as much greater as the matrix, of which a row is at most by a hundred times out of balance, lets it.
             for (found, expected) in column.iter().zip(&expected) {
                 prop_assert!((found - expected).abs() <= 60.0 * 100.0 * f64::EPSILON, "{} for {}", found, expected);

@@ -87,7 +87,7 @@ pub struct Block {
     pub figures: Vec<Figure>,
     /// Tables.
     pub tables: Vec<Table>,
-    /// Pages beside this one, after the text: what they are called, and their files.
+    /// Pages and drawings beside this one, after the text: what they are called, and their files.
     pub links: Vec<Fact>,
     /// A list after the tables.
     pub list: Vec<String>,

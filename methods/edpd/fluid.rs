@@ -7,6 +7,7 @@
 //! kept to rounding; and the same start, constants and seed give the same bits on any number of threads. Rejected: a second
 //! pass for friction, after the kick, which gains less and costs half a step more.
 
+mod apart;
 mod coefficients;
 mod error;
 pub mod matter;

@@ -13,9 +13,10 @@
 #[cfg(target_arch = "x86_64")]
 use frazil_core::instruction_set::InstructionSet;
 
+use super::apart::Apart;
 use super::coefficients::{AT_ONCE, PairColumns, PairConstants, ROOM};
 use super::matter::Matter;
-use super::meeting::{PartnerRow, four_mut, rows_meet};
+use super::meeting::{PartnerRow, four_mut};
 use super::particle::{Look, Particle};
 use super::quad::Quad;
 use super::scan::{self, Kind, MOST, Notes, Stretch, TOGETHER};
@@ -139,7 +140,7 @@ fn act_avx2<const D: usize, M: Matter>(
 }
 
 #[inline(always)]
-fn act_by<const D: usize, M: Matter, S: Kind>(
+fn act_by<const D: usize, M: Matter, S: Apart>(
     frame: &StepConstants<'_, D, M>,
     slab: usize,
     desk: &mut Desk<D>,
@@ -212,7 +213,7 @@ impl<const D: usize> Side<D> {
 
 /// Puts what is noted of some particles down on the desk, and clears it.
 #[inline(always)]
-fn put_all<const D: usize, M: Matter, S: Kind>(
+fn put_all<const D: usize, M: Matter, S: Apart>(
     frame: &StepConstants<'_, D, M>,
     desk: &mut Desk<D>,
     few: std::ops::Range<usize>,
@@ -341,18 +342,18 @@ fn gather_four<const D: usize, S, Q: Quad>(
 
 /// Lets the pairs on the desk act, and clears it.
 #[inline(always)]
-fn finish<const D: usize, M: Matter, S: Kind>(
+fn finish<const D: usize, M: Matter, S: Apart>(
     frame: &StepConstants<'_, D, M>,
     desk: &mut Desk<D>,
     own: &mut [Particle<D>],
     next: &mut [Particle<D>],
 ) {
     desk.potential += if M::UNEVEN {
-        desk.pairs.evaluate::<true>(&frame.constants, desk.filled)
+        S::evaluate::<D, true>(&mut desk.pairs, &frame.constants, desk.filled)
     } else {
-        desk.pairs.evaluate::<false>(&frame.constants, desk.filled)
+        S::evaluate::<D, false>(&mut desk.pairs, &frame.constants, desk.filled)
     };
     desk.met += desk.filled as u64;
-    rows_meet::<D, S::Quad>(&desk.pairs, &desk.partners, &desk.rows[..desk.row_count], own, next);
+    S::rows_meet(&desk.pairs, &desk.partners, &desk.rows[..desk.row_count], own, next);
     (desk.filled, desk.row_count) = (0, 0);
 }

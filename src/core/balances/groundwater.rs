@@ -23,7 +23,7 @@ use crate::balances::groundwater::tasks::{each, sum, tasks};
 use crate::balances::groundwater::velocity::velocities;
 use crate::boundary::patch::Face;
 use crate::ledger::Sum;
-use crate::memory::{HeapSize, shared};
+use crate::memory::{HeapSize, shared, total};
 use crate::particles::Particles;
 use crate::physics::latent_heat::Materials;
 use crate::saved::{Pass, Saved};
@@ -323,9 +323,8 @@ impl Saved for Groundwater {
 
 impl HeapSize for Groundwater {
     fn heap_size(&self) -> usize {
-        let columns =
-            [&self.temperature, &self.permeability, &self.solved, &self.steepness, &self.conductivity, &self.heights];
-        let columns = columns.iter().map(|column| column.heap_size()).sum::<usize>() + self.displaced.heap_size();
+        let ground = total(&[&self.temperature, &self.permeability, &self.solved, &self.steepness, &self.conductivity]);
+        let columns = ground + total(&[&self.heights, &self.walls, &self.sums]) + self.displaced.heap_size();
         let parts = self.network.heap_size() + self.pressure.heap_size() + self.carrier.heap_size();
         let tables = self.aquifers.iter().map(HeapSize::heap_size);
         let cuts = self.cuts.as_ref().map_or(0, |cuts| cuts.heap_size());

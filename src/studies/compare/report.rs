@@ -196,8 +196,15 @@ fn compared(own: &Path, study: &Study, costs: usize, figures: &mut Figures) -> V
         block.tables.push(equal_error_table(comparison));
         block.tables.push(equal_time_table(comparison));
         if costs == ALL_COSTS {
-            let of = |(_, file): &(Cost, String)| format!("{name}/{file}.svg");
-            block.text.push(format!("Drawings of each cost: {}.", all.each_ref().map(of).join(", ")));
+            let link = |(cost, file): &(Cost, String)| {
+                let against = match cost {
+                    Cost::Time(Clock::Cpu) => "CPU time",
+                    Cost::Time(Clock::Wall) => "wall time",
+                    Cost::Updates => "particle updates",
+                };
+                Fact::new(format!("Error against {against}"), format!("{name}/{file}.svg"))
+            };
+            block.links.extend(all.iter().map(link));
         }
         blocks.push(block);
         let file = format!("convergence_{word}");

@@ -13,10 +13,10 @@
 #[cfg(target_arch = "x86_64")]
 use frazil_core::instruction_set::InstructionSet;
 
-use super::apart::Apart;
+use super::apart::{Apart, Work};
 use super::coefficients::{AT_ONCE, PairColumns, PairConstants, ROOM};
 use super::matter::Matter;
-use super::meeting::{PartnerRow, four_mut};
+use super::meeting::{PartnerRow, four_mut, rows_meet};
 use super::particle::{Look, Particle};
 use super::quad::Quad;
 use super::scan::{self, Kind, MOST, Notes, Stretch, TOGETHER};
@@ -104,86 +104,69 @@ pub fn act<const D: usize, M: Matter>(
     own: SlabParticles<'_, D>,
     next: SlabParticles<'_, D>,
 ) {
+    let acting = Acting { frame, slab, desk, own, next };
     #[cfg(target_arch = "x86_64")]
     match InstructionSet::widest() {
-        // SAFETY: the processor has just been asked for these features.
-        InstructionSet::Avx512 => return unsafe { act_avx512(frame, slab, desk, own, next) },
-        // SAFETY: as above.
-        InstructionSet::Avx2 => return unsafe { act_avx2(frame, slab, desk, own, next) },
+        InstructionSet::Avx512 => return scan::Avx512::apart(acting),
+        InstructionSet::Avx2 => return scan::Avx2::apart(acting),
         InstructionSet::Portable => {}
     }
-    act_by::<D, M, scan::Portable>(frame, slab, desk, own, next);
+    scan::Portable::apart(acting);
 }
 
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f,avx512vl,avx512dq,fma,popcnt")]
-fn act_avx512<const D: usize, M: Matter>(
-    frame: &StepConstants<'_, D, M>,
+/// The pairs of a slab.
+struct Acting<'a, const D: usize, M: Matter> {
+    frame: &'a StepConstants<'a, D, M>,
     slab: usize,
-    desk: &mut Desk<D>,
-    own: SlabParticles<'_, D>,
-    next: SlabParticles<'_, D>,
-) {
-    act_by::<D, M, scan::Avx512>(frame, slab, desk, own, next);
+    desk: &'a mut Desk<D>,
+    own: SlabParticles<'a, D>,
+    next: SlabParticles<'a, D>,
 }
 
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma,popcnt")]
-fn act_avx2<const D: usize, M: Matter>(
-    frame: &StepConstants<'_, D, M>,
-    slab: usize,
-    desk: &mut Desk<D>,
-    own: SlabParticles<'_, D>,
-    next: SlabParticles<'_, D>,
-) {
-    act_by::<D, M, scan::Avx2>(frame, slab, desk, own, next);
-}
+impl<const D: usize, M: Matter> Work for Acting<'_, D, M> {
+    type Made = ();
 
-#[inline(always)]
-fn act_by<const D: usize, M: Matter, S: Apart>(
-    frame: &StepConstants<'_, D, M>,
-    slab: usize,
-    desk: &mut Desk<D>,
-    (begin, own): SlabParticles<'_, D>,
-    (begin_next, next): SlabParticles<'_, D>,
-) {
-    desk.potential = 0.0;
-    desk.met = 0;
-    for cell in frame.grid.cells(slab) {
-        let (ranges, count) = frame.grid.ranges(slab, cell, frame.starts);
-        // Ranges whose particles are seen where they stand, on one side, are looked through together.
-        let alike = |a: &PartnerRange<D>, b: &PartnerRange<D>| (a.beyond, a.shift) == (b.beyond, b.shift);
-        let (mut sides, mut side_count) = ([&ranges[..0]; RANGES], 0);
-        for side in ranges[..count].chunk_by(alike) {
-            sides[side_count] = side;
-            side_count += 1;
-        }
-        let (start, end) = (frame.starts[cell] as usize, frame.starts[cell + 1] as usize);
-        for first in (start..end).step_by(TOGETHER) {
-            let few = first..end.min(first + TOGETHER);
-            // Of pairs within the cell each is met from its first end.
-            let mut begin_at = first + 1;
-            for ranges in &sides[..side_count] {
-                let PartnerRange { shift, beyond, .. } = ranges[0];
-                let side = Side { shift, beyond, begin, base: if beyond { begin_next } else { begin } };
-                let places = side.seen(&frame.looks[few.clone()]);
-                for range in *ranges {
-                    let mut steps = usize::from(begin_at > 0);
-                    let mut from = std::mem::take(&mut begin_at).max(range.begin);
-                    while from < range.end {
-                        if desk.notes.counts.iter().any(|count| *count > MOST) {
-                            put_all::<D, M, S>(frame, desk, few.clone(), &side, own, next);
+    #[inline(always)]
+    fn work<S: Apart>(self) {
+        let Acting { frame, slab, desk, own: (begin, own), next: (begin_next, next) } = self;
+        desk.potential = 0.0;
+        desk.met = 0;
+        for cell in frame.grid.cells(slab) {
+            let (ranges, count) = frame.grid.ranges(slab, cell, frame.starts);
+            // Ranges whose particles are seen where they stand, on one side, are looked through together.
+            let alike = |a: &PartnerRange<D>, b: &PartnerRange<D>| (a.beyond, a.shift) == (b.beyond, b.shift);
+            let (mut sides, mut side_count) = ([&ranges[..0]; RANGES], 0);
+            for side in ranges[..count].chunk_by(alike) {
+                sides[side_count] = side;
+                side_count += 1;
+            }
+            let (start, end) = (frame.starts[cell] as usize, frame.starts[cell + 1] as usize);
+            for first in (start..end).step_by(TOGETHER) {
+                let few = first..end.min(first + TOGETHER);
+                // Of pairs within the cell each is met from its first end.
+                let mut begin_at = first + 1;
+                for ranges in &sides[..side_count] {
+                    let PartnerRange { shift, beyond, .. } = ranges[0];
+                    let side = Side { shift, beyond, begin, base: if beyond { begin_next } else { begin } };
+                    let places = side.seen(&frame.looks[few.clone()]);
+                    for range in *ranges {
+                        let mut steps = usize::from(begin_at > 0);
+                        let mut from = std::mem::take(&mut begin_at).max(range.begin);
+                        while from < range.end {
+                            if desk.notes.counts.iter().any(|count| *count > MOST) {
+                                put_all::<D, M, S>(frame, desk, few.clone(), &side, own, next);
+                            }
+                            let to = range.end.min(from + MOST);
+                            S::near(&frame.places, &places, Stretch { from, to, steps }, frame.reach, &mut desk.notes);
+                            (from, steps) = (to, 0);
                         }
-                        let to = range.end.min(from + MOST);
-                        S::near(&frame.places, &places, Stretch { from, to, steps }, frame.reach, &mut desk.notes);
-                        (from, steps) = (to, 0);
                     }
+                    put_all::<D, M, S>(frame, desk, few.clone(), &side, own, next);
                 }
-                put_all::<D, M, S>(frame, desk, few.clone(), &side, own, next);
             }
         }
+        finish::<D, M, S>(frame, desk, own, next);
     }
-    finish::<D, M, S>(frame, desk, own, next);
 }
 
 /// Where partners of the particles of a cell are.
@@ -340,6 +323,44 @@ fn gather_four<const D: usize, S, Q: Quad>(
     Q::single_store(name, four_mut(&mut pairs.names[1], k));
 }
 
+/// The coefficients of the pairs on a desk; makes their potential.
+struct Coefficients<'a, const D: usize, M: Matter> {
+    frame: &'a StepConstants<'a, D, M>,
+    pairs: &'a mut PairColumns<D>,
+    count: usize,
+}
+
+impl<const D: usize, M: Matter> Work for Coefficients<'_, D, M> {
+    type Made = f64;
+
+    #[inline(always)]
+    fn work<S: Apart>(self) -> f64 {
+        let Coefficients { frame, pairs, count } = self;
+        if M::UNEVEN {
+            pairs.evaluate::<true>(&frame.constants, count)
+        } else {
+            pairs.evaluate::<false>(&frame.constants, count)
+        }
+    }
+}
+
+/// The rows on a desk, with particles of the slab and of the next.
+struct Rows<'a, const D: usize> {
+    desk: &'a Desk<D>,
+    own: &'a mut [Particle<D>],
+    next: &'a mut [Particle<D>],
+}
+
+impl<const D: usize> Work for Rows<'_, D> {
+    type Made = ();
+
+    #[inline(always)]
+    fn work<S: Apart>(self) {
+        let Desk { pairs, partners, rows, row_count, .. } = self.desk;
+        rows_meet::<D, S::Quad>(pairs, partners, &rows[..*row_count], self.own, self.next);
+    }
+}
+
 /// Lets the pairs on the desk act, and clears it.
 #[inline(always)]
 fn finish<const D: usize, M: Matter, S: Apart>(
@@ -348,12 +369,8 @@ fn finish<const D: usize, M: Matter, S: Apart>(
     own: &mut [Particle<D>],
     next: &mut [Particle<D>],
 ) {
-    desk.potential += if M::UNEVEN {
-        S::evaluate::<D, true>(&mut desk.pairs, &frame.constants, desk.filled)
-    } else {
-        S::evaluate::<D, false>(&mut desk.pairs, &frame.constants, desk.filled)
-    };
+    desk.potential += S::apart(Coefficients { frame, pairs: &mut desk.pairs, count: desk.filled });
     desk.met += desk.filled as u64;
-    S::rows_meet(&desk.pairs, &desk.partners, &desk.rows[..desk.row_count], own, next);
+    S::apart(Rows { desk, own, next });
     (desk.filled, desk.row_count) = (0, 0);
 }

@@ -18,6 +18,17 @@ pub enum Cost {
     Updates,
 }
 
+impl Cost {
+    /// What it is called.
+    pub fn name(self) -> &'static str {
+        match self {
+            Cost::Time(Clock::Wall) => "wall time",
+            Cost::Time(Clock::Cpu) => "CPU time",
+            Cost::Updates => "particle updates",
+        }
+    }
+}
+
 /// The diagram of a scene for one measure and one cost.
 pub fn work_figure(study: &Study, comparison: &Comparison, cost: Cost) -> WorkFigure {
     let threads =
@@ -52,9 +63,8 @@ pub fn work_figure(study: &Study, comparison: &Comparison, cost: Cost) -> WorkFi
         title: format!("{}: {}", study.runs.scene.title, comparison.headline.name()),
         error_label: comparison.headline.label().into(),
         cost_label: match cost {
-            Cost::Time(Clock::Wall) => format!("wall time, setup and solve, {threads} (s)"),
-            Cost::Time(Clock::Cpu) => format!("CPU time, setup and solve, {threads} (s)"),
-            Cost::Updates => "particle updates".into(),
+            Cost::Time(_) => format!("{}, setup and solve, {threads} (s)", cost.name()),
+            Cost::Updates => cost.name().into(),
         },
         marked: study.runs.reference_error(comparison.headline).map(|error| (error, floor)),
         curves: curves.iter().map(work_curve).collect(),

@@ -197,12 +197,7 @@ fn compared(own: &Path, study: &Study, costs: usize, figures: &mut Figures) -> V
         block.tables.push(equal_time_table(comparison));
         if costs == ALL_COSTS {
             let link = |(cost, file): &(Cost, String)| {
-                let against = match cost {
-                    Cost::Time(Clock::Cpu) => "CPU time",
-                    Cost::Time(Clock::Wall) => "wall time",
-                    Cost::Updates => "particle updates",
-                };
-                Fact::new(format!("Error against {against}"), format!("{name}/{file}.svg"))
+                Fact::new(format!("Error against {}", cost.name()), format!("{name}/{file}.svg"))
             };
             block.links.extend(all.iter().map(link));
         }

@@ -41,8 +41,13 @@ pub fn square(side: usize, method: &str, numerics: &str, threads: usize) -> Plan
 
 /// The same by a law of freezing.
 pub fn freezing_square(law: &str, side: usize, method: &str, numerics: &str, threads: usize) -> Plan {
-    let extent = side as f64 * SPACING;
-    let domain = format!("[domain.rectangle]\nwidth_m = {extent}\nheight_m = {extent}\n");
+    freezing_rectangle(law, [side; 2], method, numerics, threads)
+}
+
+/// The same with so many particles along each side.
+pub fn freezing_rectangle(law: &str, sides: [usize; 2], method: &str, numerics: &str, threads: usize) -> Plan {
+    let [width, height] = sides.map(|side| side as f64 * SPACING);
+    let domain = format!("[domain.rectangle]\nwidth_m = {width}\nheight_m = {height}\n");
     let numerics = format!("{WHOLE_CELLS}{numerics}");
     let text = water((&domain, &["right", "bottom", "top"]), law, (method, &numerics), 24_000);
     let mut plan = planned(&text, method, threads);
@@ -168,7 +173,8 @@ impl Case {
         case
     }
 
-    fn advance(&mut self, steps: u64) {
+    /// Makes some steps.
+    pub fn advance(&mut self, steps: u64) {
         for _ in 0..steps {
             let step = self.plan.step;
             let clock = Clock { time: step * self.made as f64, step, index: self.made, turned: self.made == 0 };

@@ -11,6 +11,8 @@ use std::any::Any;
 use std::cell::UnsafeCell;
 use std::hint::spin_loop;
 use std::io;
+use std::marker::PhantomData;
+use std::mem::MaybeUninit;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, TryLockError};
@@ -32,8 +34,19 @@ struct Followers {
     shared: Arc<Shared>,
     threads: Vec<JoinHandle<()>>,
     /// Held by the one that leads: another that shares a work meanwhile, or a part of it that does, works alone.
-    leading: Mutex<()>,
+    leading: Mutex<Room>,
 }
+
+/// Room for the parts of a work, which a step finds as the last one has left it.
+#[derive(Default)]
+struct Room {
+    words: Vec<MaybeUninit<Word>>,
+    /// The next part of those that are each thread's own.
+    turns: Vec<Turn>,
+}
+
+/// What parts are kept in.
+type Word = u128;
 
 /// A work as it is told: its number, how many followers are called, whether they may still join, and how many have joined and
 /// are not done.
@@ -97,15 +110,70 @@ unsafe impl Send for Work {}
 // SAFETY: as above.
 unsafe impl Sync for Work {}
 
-/// Parts of a work, each of which one thread takes.
-struct Parts<P>(Vec<UnsafeCell<Option<P>>>);
+/// Parts of a work, each of which one thread takes, in a room.
+struct Parts<P> {
+    first: *mut MaybeUninit<Word>,
+    count: usize,
+    kind: PhantomData<P>,
+}
 
 // SAFETY: each part is taken by one thread.
 unsafe impl<P: Send> Sync for Parts<P> {}
 
+impl<P> Parts<P> {
+    /// Words that a part fills.
+    const WORDS: usize = size_of::<P>().div_ceil(size_of::<Word>());
+
+    /// Puts parts into a room.
+    fn put(parts: impl Iterator<Item = P>, words: &mut Vec<MaybeUninit<Word>>) -> Self {
+        const { assert!(align_of::<P>() <= align_of::<Word>()) };
+        words.clear();
+        let mut count = 0;
+        for part in parts {
+            words.resize((count + 1) * Self::WORDS, MaybeUninit::uninit());
+            let place: *mut P = words[count * Self::WORDS..].as_mut_ptr().cast();
+            // SAFETY: these words are as many as a part fills, and aligned as it is.
+            unsafe { place.write(part) };
+            count += 1;
+        }
+        Parts { first: words.as_mut_ptr(), count, kind: PhantomData }
+    }
+
+    /// Takes a part.
+    ///
+    /// # Safety
+    /// Each is taken once, while nothing else is put into the room.
+    unsafe fn take(&self, number: usize) -> P {
+        debug_assert!(number < self.count);
+        // SAFETY: a part was put there, and nobody else takes it.
+        unsafe { self.first.add(number * Self::WORDS).cast::<P>().read() }
+    }
+}
+
 /// The next part of those that are a thread's own, away from that of others in memory.
+#[derive(Default)]
 #[repr(align(128))]
 struct Turn(AtomicUsize);
+
+/// What a part of a work panicked with, if one did.
+#[derive(Default)]
+struct Panic(Mutex<Option<Box<dyn Any + Send>>>);
+
+impl Panic {
+    /// Does a part.
+    fn catch(&self, part: impl FnOnce()) {
+        if let Err(cause) = catch_unwind(AssertUnwindSafe(part)) {
+            *locked(&self.0) = Some(cause);
+        }
+    }
+
+    /// Goes on with the panic.
+    fn resume(self) {
+        if let Some(cause) = self.0.into_inner().unwrap_or_else(PoisonError::into_inner) {
+            resume_unwind(cause);
+        }
+    }
+}
 
 /// Looks whether something is so, for as long as threads have patience; whether it is.
 fn await_awake(is_so: impl Fn() -> bool) -> bool {
@@ -215,6 +283,14 @@ impl Drop for Closing<'_> {
     }
 }
 
+impl Followers {
+    /// None yet, of so many threads, their leader among them.
+    fn none(threads: usize) -> Self {
+        let room = Room { words: Vec::new(), turns: (0..threads).map(|_| Turn::default()).collect() };
+        Followers { shared: Arc::new(Shared::default()), threads: Vec::new(), leading: Mutex::new(room) }
+    }
+}
+
 impl Drop for Followers {
     fn drop(&mut self) {
         self.shared.tell(Call::OVER);
@@ -237,8 +313,7 @@ impl Team {
         if threads as u64 > Call::MOST_CALLED {
             return Err(io::Error::other(format!("at most {} threads", Call::MOST_CALLED)));
         }
-        let mut followers =
-            Followers { shared: Arc::new(Shared::default()), threads: Vec::new(), leading: Mutex::new(()) };
+        let mut followers = Followers::none(threads);
         for follower in 0..threads - 1 {
             let shared = followers.shared.clone();
             followers.threads.push(Builder::new().spawn(move || shared.follow(follower))?);
@@ -257,13 +332,23 @@ impl Team {
     /// # Panics
     /// As a part does, once all parts are done.
     pub fn share<P: Send>(&self, parts: impl Iterator<Item = P>, one: impl Fn(P) + Sync) {
-        let parts = Parts(parts.map(|part| UnsafeCell::new(Some(part))).collect());
-        let parts = &parts;
-        let panic: Mutex<Option<Box<dyn Any + Send>>> = Mutex::new(None);
-        let count = parts.0.len();
-        let threads = self.threads().min(count);
-        let first = |thread: usize| count * thread / threads;
-        let turns: Vec<Turn> = (0..threads).map(|thread| Turn(AtomicUsize::new(first(thread)))).collect();
+        let panic = Panic::default();
+        let mut leading = match self.0.leading.try_lock() {
+            Err(TryLockError::Poisoned(poisoned)) => poisoned.into_inner(),
+            Ok(leading) => leading,
+            Err(TryLockError::WouldBlock) => {
+                parts.for_each(|part| panic.catch(|| one(part)));
+                return panic.resume();
+            }
+        };
+        let Room { words, turns } = &mut *leading;
+        let parts = &Parts::put(parts, words);
+        let threads = self.threads().min(parts.count);
+        let first = |thread: usize| parts.count * thread / threads;
+        for (thread, turn) in turns[..threads].iter_mut().enumerate() {
+            *turn.0.get_mut() = first(thread);
+        }
+        let turns = &*turns;
         let work = |own: usize| {
             for thread in (own..threads).chain(0..own) {
                 loop {
@@ -271,30 +356,21 @@ impl Team {
                     if number >= first(thread + 1) {
                         break;
                     }
-                    // SAFETY: each number comes up once.
-                    if let Some(part) = unsafe { (*parts.0[number].get()).take() }
-                        && let Err(cause) = catch_unwind(AssertUnwindSafe(|| one(part)))
-                    {
-                        *locked(&panic) = Some(cause);
-                    }
+                    // SAFETY: each number comes up once, and the room is this work's until it is done.
+                    let part = unsafe { parts.take(number) };
+                    panic.catch(|| one(part));
                 }
             }
         };
         self.lead(threads, &work);
-        if let Some(cause) = panic.into_inner().unwrap_or_else(PoisonError::into_inner) {
-            resume_unwind(cause);
-        }
+        drop(leading);
+        panic.resume();
     }
 
-    /// Does a work by so many threads, of which this is the last; alone where another leads already.
+    /// Does a work by so many threads, of which this is the last.
     fn lead(&self, threads: usize, work: &(dyn Fn(usize) + Sync)) {
         let Some(followers) = threads.checked_sub(1) else { return };
-        let leading = match self.0.leading.try_lock() {
-            _ if followers == 0 => None,
-            Err(TryLockError::Poisoned(poisoned)) => Some(poisoned.into_inner()),
-            free => free.ok(),
-        };
-        if leading.is_none() {
+        if followers == 0 {
             return work(followers);
         }
         let shared = &self.0.shared;
@@ -331,8 +407,7 @@ mod tests {
     /// Followers that do not come, as where other programs keep their processors busy, are not waited for.
     #[test]
     fn a_leader_does_what_nobody_has_begun() {
-        let nobody = Followers { shared: Arc::new(Shared::default()), threads: Vec::new(), leading: Mutex::new(()) };
-        let team = Team(Arc::new(nobody));
+        let team = Team(Arc::new(Followers::none(3)));
         for round in 1..10_u64 {
             let done = AtomicUsize::new(0);
             team.lead(3, &|own| {
@@ -344,6 +419,27 @@ mod tests {
             assert!(!team.0.shared.join(round, 0));
             assert_eq!(done.load(Ordering::SeqCst), 3);
         }
+    }
+
+    /// Parts of any size, which are dropped once.
+    #[test]
+    fn parts_are_handed_over_whole() {
+        let team = Team::new(2).expect("threads").expect("a team");
+        let done = AtomicUsize::new(0);
+        team.share([(); 5].into_iter(), |()| {
+            done.fetch_add(1, Ordering::SeqCst);
+        });
+        assert_eq!(done.into_inner(), 5);
+        let counted = Arc::new(());
+        let sums = Mutex::new(Vec::new());
+        let parts = (0..9_u8).map(|number| (number, [u64::from(number); 7], counted.clone()));
+        team.share(parts, |(number, numbers, _counted)| {
+            locked(&sums).push((number, numbers.iter().sum::<u64>()));
+        });
+        let mut sums = sums.into_inner().expect("no panic");
+        sums.sort_unstable();
+        assert!(sums.iter().enumerate().all(|(place, sum)| *sum == (place as u8, 7 * place as u64)) && sums.len() == 9);
+        assert_eq!(Arc::strong_count(&counted), 1);
     }
 
     /// More parts than threads, fewer, none, and parts that share a work themselves.

@@ -25,8 +25,9 @@ struct Halves {
 
 impl Halves {
     fn new(side: usize, method: &str, numerics: &str, steps: u64) -> Self {
-        let halves = [side / 2, side - side / 2]
-            .map(|height| Case::new("half", freezing_rectangle(ISOTHERMAL, [side, height], method, numerics, 1), steps));
+        let halves = [side / 2, side - side / 2].map(|height| {
+            Case::new("half", freezing_rectangle(ISOTHERMAL, [side, height], method, numerics, 1), steps)
+        });
         Halves { halves, steps, times: Vec::new() }
     }
 

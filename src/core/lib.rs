@@ -18,6 +18,7 @@ pub mod memory;
 pub mod neighbours;
 pub mod noise;
 pub mod particles;
+pub mod parts;
 pub mod physics;
 pub mod saved;
 pub mod series;

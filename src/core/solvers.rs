@@ -1,6 +1,7 @@
 //! How time advances.
 
 pub mod assembly;
+pub mod assessment;
 pub mod balance;
 pub mod band;
 pub mod control;

@@ -383,6 +383,14 @@ impl Team {
     }
 }
 
+/// Does all parts of a work: side by side where there is a team, one after the other where there is none.
+pub fn share<P: Send>(team: Option<&Team>, parts: impl Iterator<Item = P>, one: impl Fn(P) + Sync) {
+    match team {
+        Some(team) => team.share(parts, one),
+        None => parts.for_each(one),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

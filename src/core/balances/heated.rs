@@ -10,6 +10,7 @@ use crate::series::Series;
 use crate::solvers::balance::{Balance, BalanceFacts, Companion, Rates, StageColumns, Tangent, Update};
 use crate::solvers::passenger::Passenger;
 use crate::solvers::step::Clock;
+use crate::team::Team;
 
 /// Heat by volume and time (W/m3); negative where heat is taken.
 #[derive(Debug, Clone, PartialEq)]
@@ -108,6 +109,10 @@ impl Balance for Heated {
 
     fn next_kink(&self, enthalpy: &[f64], rates: &[f64], within: f64) -> f64 {
         self.balance.next_kink(enthalpy, rates, within)
+    }
+
+    fn team(&self) -> Option<&Team> {
+        self.balance.team()
     }
 
     fn rate(&mut self, enthalpy: &[f64], clock: &Clock, rates: &mut Rates<'_>) {

@@ -11,6 +11,7 @@ use crate::physics::latent_heat::Materials;
 use crate::physics::laws::Laws;
 use crate::physics::thermal::Thermal;
 use crate::space::lattice::Lattice;
+use crate::team::Team;
 
 /// Ghosts and walls, as the sweep sees them.
 pub(super) struct Around<L> {
@@ -100,12 +101,12 @@ impl<L: Laws> Around<L> {
         Some(Ends { behind, open: [self.open[0], self.open[1]], weights })
     }
 
-    /// Brings a curved wall to a state.
+    /// Brings a curved wall to a state, with threads if there are more than one.
     #[inline]
-    pub(super) fn update_exterior(&mut self, boundary: &Boundary, enthalpy: &[f64]) {
+    pub(super) fn update_exterior(&mut self, team: Option<&Team>, boundary: &Boundary, enthalpy: &[f64]) {
         if let (Some(exterior), Some((patch, _))) = (&mut self.exterior, boundary.curved) {
             let thermal = &self.materials.thermals[self.material_at[patch] as usize];
-            exterior.update(&self.laws, enthalpy, &self.faces[patch], thermal, self.slopes.as_ref());
+            exterior.update(team, (&self.laws, enthalpy), &self.faces[patch], thermal, self.slopes.as_ref());
         }
     }
 

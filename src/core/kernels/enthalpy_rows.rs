@@ -12,6 +12,7 @@ use crate::physics::latent_heat::SchemeState;
 use crate::saved::{Pass, Saved};
 use crate::solvers::balance::{Balance, BalanceFacts, Rates, Tangent, TangentShape, Update};
 use crate::solvers::step::Clock;
+use crate::team::Team;
 
 /// Rows of a list under a latent-heat scheme, with a term beside conduction.
 pub struct ListBalance<T> {
@@ -85,9 +86,13 @@ impl<T: PairTerm> Balance for ListBalance<T> {
             }
             Update::Stage(stage, columns) => {
                 self.rows.rate_of(scheme, columns.newest, clock, &mut self.rate, patches);
-                stage.take(columns, &self.rate);
+                stage.take(self.rows.parts.team.as_ref(), columns, &self.rate);
             }
         }
+    }
+
+    fn team(&self) -> Option<&Team> {
+        self.rows.parts.team.as_ref()
     }
 
     fn tangent(&mut self) -> &mut dyn Tangent {

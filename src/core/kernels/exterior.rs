@@ -1,7 +1,7 @@
 //! What lies behind the walls of a lattice.
 
 use crate::bonds::stencil::Stencil;
-use crate::boundary::curved_wall::{Contacts, Neighbourhood};
+use crate::boundary::curved_wall::{Contact, Contacts, Neighbourhood};
 use crate::boundary::patch::{Boundary, Face, Side};
 use crate::kernels::sweep::Shape;
 use crate::ledger::Sum;
@@ -10,6 +10,10 @@ use crate::physics::latent_heat::Materials;
 use crate::physics::laws::Laws;
 use crate::physics::thermal::Thermal;
 use crate::space::lattice::Lattice;
+use crate::team::{Team, share};
+
+/// Contacts that a thread handles at once.
+const CONTACTS: usize = 1024;
 
 /// What lies behind a curved wall.
 #[derive(Debug, Clone, Default)]
@@ -88,25 +92,32 @@ impl Exterior {
 
     pub(super) fn update<L: Laws>(
         &mut self,
-        laws: &L,
-        enthalpy: &[f64],
+        team: Option<&Team>,
+        (laws, enthalpy): (&L, &[f64]),
         face: &Face,
         thermal: &Thermal,
         slopes: Option<&WallSlopes>,
     ) {
+        let Exterior { contacts, gains, .. } = self;
         let potential = |particle: usize| laws.potential_of(particle, enthalpy[particle]);
-        for (contact, gain) in self.contacts.contacts.iter().zip(&mut self.gains) {
+        let one = |contact: &Contact| {
             let own = potential(contact.particle as usize);
             let given = match slopes {
-                Some(slopes) => self.contacts.change(contact, &slopes.curved, potential),
+                Some(slopes) => contacts.change(contact, &slopes.curved, potential),
                 None => {
                     let seen = |particle: usize| contact.seen(own, potential(particle));
                     let flux = |particle: usize, depth: f64| face.flux(seen(particle), depth, thermal);
-                    self.contacts.gain(contact, flux)
+                    contacts.gain(contact, flux)
                 }
             };
-            *gain = (given, contact.cut * own);
-        }
+            (given, contact.cut * own)
+        };
+        let team = team.filter(|_| gains.len() > CONTACTS);
+        share(team, gains.chunks_mut(CONTACTS).zip(contacts.contacts.chunks(CONTACTS)), |(gains, contacts)| {
+            for (gain, contact) in gains.iter_mut().zip(contacts) {
+                *gain = one(contact);
+            }
+        });
     }
 
     /// Adds what the wall gives to `rates`, scaled, and gives back what the sweep took for the cut pairs.

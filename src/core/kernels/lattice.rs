@@ -6,7 +6,7 @@ use crate::kernels::around::{Around, patch_weights};
 use crate::kernels::corner::{CornerPair, lattice_pairs};
 use crate::kernels::exterior::Exterior;
 use crate::kernels::irregular::IrregularRows;
-use crate::kernels::lattice_bands::{share, threads};
+use crate::kernels::lattice_bands::{read_some, share, take_some, threads};
 use crate::kernels::lattice_parts::{LatticeParts, Stiffness, bands};
 use crate::kernels::sweep::{Band, Frame, Shape, Weights, sweep};
 use crate::kernels::target::{self, Beside, Chained, InPlace, Target};
@@ -142,14 +142,14 @@ impl<L: Laws> LatticeBalance<L> {
             self.prepare_all(enthalpy, time);
         }
         if let Some(front) = &mut self.front {
-            front.update(&self.around.lattice, enthalpy, &self.around.laws);
+            front.update(self.team.as_ref(), &self.around.lattice, enthalpy, &self.around.laws);
         }
     }
 
     fn prepare_all(&mut self, enthalpy: &[f64], time: f64) {
         let around = &mut self.around;
         around.update_faces(&self.boundary, time, false);
-        around.update_exterior(&self.boundary, enthalpy);
+        around.update_exterior(self.team.as_ref(), &self.boundary, enthalpy);
         let around = &self.around;
         for ((sink, potential), heat) in self.sinks.iter().zip(&mut self.sink_potentials).zip(&mut self.sink_heat) {
             let thermal = around.thermal_at_sink(sink);
@@ -192,9 +192,9 @@ impl<L: Laws> LatticeBalance<L> {
         }
     }
 
-    /// Sweeps all bands; `targets` holds one target for each.
+    /// Sweeps all bands; `target` is asked for that of each, in their order, by how many particles it has.
     #[inline(always)]
-    pub(super) fn sweep<T: Target + Send>(&mut self, targets: &mut [T]) {
+    fn sweep<T: Target + Send>(&mut self, mut target: impl FnMut(usize) -> T) {
         let around = &self.around;
         let frame = Frame {
             shape: around.shape,
@@ -204,8 +204,8 @@ impl<L: Laws> LatticeBalance<L> {
             surroundings: around,
         };
         match &self.team {
-            Some(team) => share(team, &frame, &mut self.bands, targets, &mut self.row_patches),
-            None => sweep(&frame, &mut self.bands[0], &mut targets[0], &mut self.row_patches),
+            Some(team) => share(team, &frame, &mut self.bands, target, &mut self.row_patches),
+            None => sweep(&frame, &mut self.bands[0], &mut target(around.lattice.len()), &mut self.row_patches),
         }
     }
 
@@ -215,11 +215,8 @@ impl<L: Laws> LatticeBalance<L> {
         let step = clock.step;
         self.prepare(enthalpy, clock.time);
         self.keep(|particle| enthalpy[particle]);
-        if let [_] = self.bands.as_slice() {
-            self.sweep(&mut [InPlace { enthalpy, step }]);
-        } else {
-            self.euler_in_bands(enthalpy, step);
-        }
+        let mut rest = &mut *enthalpy;
+        self.sweep(|count| InPlace { enthalpy: take_some(&mut rest, count), step });
         self.complete(enthalpy, step);
     }
 
@@ -227,11 +224,11 @@ impl<L: Laws> LatticeBalance<L> {
     fn euler_keeping(&mut self, enthalpy: &mut [f64], lost: &mut [f64], clock: &Clock) {
         let step = clock.step;
         self.prepare(enthalpy, clock.time);
-        if let [_] = self.bands.as_slice() {
-            self.sweep(&mut [target::Kept { enthalpy, lost, step }]);
-        } else {
-            self.keeping_in_bands(enthalpy, lost, step);
-        }
+        let (mut rest, mut rest_lost) = (&mut *enthalpy, &mut *lost);
+        self.sweep(|count| {
+            let (enthalpy, lost) = (take_some(&mut rest, count), take_some(&mut rest_lost, count));
+            target::Kept { enthalpy, lost, step }
+        });
         if let Some(front) = &self.front {
             front.add_keeping(enthalpy, lost, step);
         }
@@ -244,12 +241,13 @@ impl<L: Laws> LatticeBalance<L> {
             let states = (columns.newest[particle], columns.oldest[particle], columns.start[particle]);
             stage.without_rate(states, columns.first[particle])
         });
-        if let [_] = self.bands.as_slice() {
-            let StageColumns { newest, ref mut oldest, start, first } = *columns;
-            self.sweep(&mut [Chained { stage: *stage, columns: StageColumns { newest, oldest, start, first } }]);
-        } else {
-            self.stage_in_bands(stage, columns);
-        }
+        let StageColumns { mut newest, ref mut oldest, mut start, mut first } = *columns;
+        let mut rest = &mut **oldest;
+        self.sweep(|count| {
+            let [newest, start, first] = [&mut newest, &mut start, &mut first].map(|column| read_some(column, count));
+            let columns = StageColumns { newest, oldest: take_some(&mut rest, count), start, first };
+            Chained { stage: *stage, columns }
+        });
         self.complete(columns.oldest, stage.rate);
     }
 
@@ -257,11 +255,8 @@ impl<L: Laws> LatticeBalance<L> {
     pub(super) fn rates(&mut self, enthalpy: &[f64], time: f64, rate: &mut [f64]) {
         self.prepare(enthalpy, time);
         self.keep(|_| 0.0);
-        if let [_] = self.bands.as_slice() {
-            self.sweep(&mut [Beside { enthalpy, rate }]);
-        } else {
-            self.rates_in_bands(enthalpy, rate);
-        }
+        let (mut from, mut into) = (enthalpy, &mut *rate);
+        self.sweep(|count| Beside { enthalpy: read_some(&mut from, count), rate: take_some(&mut into, count) });
         self.complete(rate, 1.0);
     }
 
@@ -358,6 +353,10 @@ impl<L: Laws> Balance for LatticeBalance<L> {
 
     fn next_kink(&self, enthalpy: &[f64], rates: &[f64], within: f64) -> f64 {
         self.front.as_ref().map_or(f64::INFINITY, |front| front.next_kink(enthalpy, rates, within, &self.around.laws))
+    }
+
+    fn team(&self) -> Option<&Team> {
+        self.team.as_ref()
     }
 
     fn rate(&mut self, enthalpy: &[f64], clock: &Clock, rates: &mut Rates<'_>) {

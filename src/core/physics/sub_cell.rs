@@ -36,6 +36,7 @@ use crate::physics::sharp_stretches::{Sharp, Stretch, material_of, stretches};
 use crate::side_by_side::first_reached;
 use crate::solvers::kept::add_one;
 use crate::space::lattice::Lattice;
+use crate::team::Team;
 use changes::Changes;
 use exchange::exchange;
 pub use extent::Extent;
@@ -115,10 +116,10 @@ impl SubCellFront {
         }
     }
 
-    /// Brings the fronts to a state of enthalpies (J/m3).
-    pub fn update(&mut self, lattice: &Lattice, enthalpy: &[f64], laws: &impl Laws) {
+    /// Brings the fronts to a state of enthalpies (J/m3), with threads if there are more than one.
+    pub fn update(&mut self, team: Option<&Team>, lattice: &Lattice, enthalpy: &[f64], laws: &impl Laws) {
         self.changes.clear();
-        self.look(enthalpy, laws);
+        self.look(team, enthalpy, laws);
         let most = if self.several.is_some() { LANES } else { 1 };
         self.each_front(lattice, enthalpy, most, |front, lies, fronts, _, sharp| {
             let SubCellFront { pairs, faces, surroundings, several, one, changes, .. } = front;
@@ -156,9 +157,9 @@ impl SubCellFront {
     }
 
     /// Finds the fronts of a state of enthalpies (J/m3).
-    fn look(&mut self, enthalpy: &[f64], laws: &impl Laws) {
+    fn look(&mut self, team: Option<&Team>, enthalpy: &[f64], laws: &impl Laws) {
         let followed = (self.sharp.as_slice(), self.stretches.as_slice());
-        self.phases.update(followed, enthalpy);
+        self.phases.update(team, followed, enthalpy);
         self.faces.update(&self.phases, followed, enthalpy, laws);
     }
 

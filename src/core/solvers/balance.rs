@@ -1,13 +1,16 @@
 //! A semi-discrete balance: the seam between what particles exchange and how time advances.
 
+use crate::instruction_set::widest;
 use crate::ledger::Source;
 use crate::memory::HeapSize;
 use crate::particles::Particles;
+use crate::parts::{PART, in_parts};
 use crate::saved::Saved;
 use crate::solvers::kept::Kept;
 use crate::solvers::passenger::Passenger;
 use crate::solvers::solver::Water;
 use crate::solvers::step::{Bound, Clock, StepError};
+use crate::team::Team;
 
 /// Coefficients of one stage of a two-term Runge-Kutta chain:
 /// `next = newest Y(j-1) + oldest Y(j-2) + start Y(0) + rate F(Y(j-1)) + first F(Y(0))`.
@@ -33,13 +36,26 @@ impl Stage {
     }
 
     /// Puts the next stage in the place of the oldest, by the rates (W/m3) one stage back.
-    pub fn take(&self, columns: &mut StageColumns<'_>, rates: &[f64]) {
-        let states = columns.newest.iter().zip(columns.start);
-        let rates = rates.iter().zip(columns.first);
-        for (out, ((newest, start), (rate, first))) in columns.oldest.iter_mut().zip(states.zip(rates)) {
-            *out =
-                self.newest * newest + self.oldest * *out + self.start * start + self.rate * rate + self.first * first;
-        }
+    pub fn take(&self, team: Option<&Team>, columns: &mut StageColumns<'_>, rates: &[f64]) {
+        let StageColumns { newest, start, first, .. } = *columns;
+        let parts = columns.oldest.chunks_mut(PART).enumerate();
+        in_parts(team, newest.len(), parts, |(number, oldest)| {
+            let part = number * PART..number * PART + oldest.len();
+            let [newest, start, first, rates] = [newest, start, first, rates].map(|column| &column[part.clone()]);
+            take_widely(self, oldest, [newest, start, rates, first]);
+        });
+    }
+}
+
+widest!(take_widely, take, (stage: &Stage, oldest: &mut [f64], columns: [&[f64]; 4]));
+
+/// Puts the next stage in the place of the oldest.
+#[inline(always)]
+fn take(stage: &Stage, oldest: &mut [f64], [newest, start, rates, first]: [&[f64]; 4]) {
+    let (states, rates) = (newest.iter().zip(start), rates.iter().zip(first));
+    for (out, ((newest, start), (rate, first))) in oldest.iter_mut().zip(states.zip(rates)) {
+        *out =
+            stage.newest * newest + stage.oldest * *out + stage.start * start + stage.rate * rate + stage.first * first;
     }
 }
 
@@ -114,6 +130,10 @@ pub trait Balance: HeapSize + Saved + Send {
     }
     /// The same for small changes.
     fn tangent(&mut self) -> &mut dyn Tangent;
+    /// Threads that share its steps, if those are worth sharing.
+    fn team(&self) -> Option<&Team> {
+        None
+    }
     /// Another balance, which follows this one at once.
     fn companion(&self) -> Option<&dyn Companion> {
         None

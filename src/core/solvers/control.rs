@@ -192,16 +192,22 @@ impl EnthalpyRange {
 
     /// How far, over its scale, the worst particle has left its range.
     pub fn excess(&self, enthalpy: &[f64]) -> f64 {
+        self.excess_from(0, enthalpy)
+    }
+
+    /// The same of the particles from one on.
+    pub fn excess_from(&self, first: usize, enthalpy: &[f64]) -> f64 {
         if self.open {
             return 0.0;
         }
         if let [MaterialRange { low, high, scale }] = self.by_material[..] {
-            let MinMax { least, greatest, .. } = MinMax::without(enthalpy, &self.exempt);
+            let MinMax { least, greatest, .. } = MinMax::without(enthalpy, (first, &self.exempt));
             return ((low - least).max(greatest - high) / scale).max(0.0);
         }
-        let mut exempt = self.exempt.iter().copied().peekable();
+        let exempt = &self.exempt[self.exempt.partition_point(|particle| (*particle as usize) < first)..];
+        let mut exempt = exempt.iter().copied().peekable();
         let mut worst: f64 = 0.0;
-        for (i, h) in enthalpy.iter().enumerate() {
+        for (i, h) in (first..).zip(enthalpy) {
             if exempt.next_if_eq(&(i as u32)).is_none() {
                 let MaterialRange { low, high, scale } = *self.of(i);
                 worst = worst.max((low - h).max(h - high) / scale);

@@ -6,13 +6,12 @@ use crate::ledger::{Hermite, Ledger};
 use crate::memory::HeapSize;
 use crate::particles::Particles;
 use crate::saved::{Pass, Saved};
-use crate::side_by_side::{StepColumns, error_and_size, error_of_one, first_stage};
+use crate::solvers::assessment::{Assessment, MadeStep, begin_stages, room};
 use crate::solvers::balance::{Balance, BalanceFacts, Stage, StageColumns, Update};
-use crate::solvers::control::{Control, EnthalpyRange, Judgement, taken_up};
+use crate::solvers::control::{Control, EnthalpyRange, Judgement};
 use crate::solvers::sharp::just_before;
 use crate::solvers::solver::{Solver, SolverReport};
 use crate::solvers::step::{Bound, Clock, StepError};
-use crate::space::volumes::Volumes;
 
 /// Growth of the steps of a fixed chain, from one step to the next: modes that a step cannot resolve have decayed by
 /// the time it is taken.
@@ -84,6 +83,8 @@ pub struct Rkl2 {
     first_holds_at: Option<f64>,
     /// Rate at the end of a controlled step.
     last_rate: Vec<f64>,
+    /// What parts of it are judged by.
+    found: Vec<Assessment>,
     last_step: f64,
     patches: Patches,
     work: Work,
@@ -130,7 +131,8 @@ impl Rkl2 {
         let patch = || vec![0.0; ledger.sources().len()];
         let patches = Patches { older: patch(), old: patch(), first: patch(), rate: patch(), last: patch() };
         let pace = pace(balance.step_bound());
-        let last_rate = if matches!(pace, Pace::Fixed { .. }) { Vec::new() } else { vec![0.0; count] };
+        let is_fixed = matches!(pace, Pace::Fixed { .. });
+        let (last_rate, found) = if is_fixed { Default::default() } else { (vec![0.0; count], room(count)) };
         let column = || vec![0.0; count];
         Rkl2 {
             balance,
@@ -142,6 +144,7 @@ impl Rkl2 {
             first_rate: column(),
             first_holds_at: None,
             last_rate,
+            found,
             last_step: 0.0,
             patches,
             work: Work::default(),
@@ -204,7 +207,8 @@ impl Rkl2 {
         self.begin(start, clock);
         Coefficients::reach(&mut self.coefficients, stages);
         let by_first = FIRST * w1 * step;
-        first_stage(start, &self.first_rate, by_first, [&mut self.older, &mut self.old]);
+        let columns = [&mut self.older[..], &mut self.old[..]];
+        begin_stages(self.balance.team(), start, &self.first_rate, by_first, columns);
         let patches = &mut self.patches;
         patches.older.fill(0.0);
         for (old, rate) in patches.old.iter_mut().zip(&patches.first) {
@@ -284,8 +288,7 @@ impl Rkl2 {
     fn walk(&mut self, particles: &Particles, clock: &Clock) -> f64 {
         let start = &particles.enthalpy;
         let step = self.euler(start, clock);
-        let (error, size) = self.error(start, step, &particles.volumes);
-        let size = taken_up(&self.old, &particles.start, size);
+        let Assessment { error, size, .. } = self.assess(particles, step, false);
         let Pace::Controlled { control, .. } = &self.pace else { return step };
         if !control.is_small(OF_EULER * error, size) {
             self.mend(start, clock, step);
@@ -303,19 +306,16 @@ impl Rkl2 {
         step.min((BEYOND * next).max(START * self.balance.step_bound()))
     }
 
-    /// Sum over particles, by their volumes, of the estimated error of a step from `start` to `old` (the distance to the Hermite
-    /// interpolant), and of the magnitude of the new state.
-    fn error(&self, start: &[f64], step: f64, volumes: &Volumes) -> (f64, f64) {
-        let columns: StepColumns<'_> = [start, &self.old, &self.first_rate, &self.last_rate];
-        if volumes.is_even() {
-            return error_and_size(columns, step);
-        }
-        let mut sums = (0.0, 0.0);
-        for (i, end) in self.old.iter().enumerate() {
-            sums.0 += volumes.share(i) * error_of_one(columns.map(|column| column[i]), step);
-            sums.1 += volumes.share(i) * end.abs();
-        }
-        sums
+    /// Assesses a step (s) to `old` by its distance to the Hermite interpolant, and by the range of the data, if that is asked for.
+    fn assess(&mut self, particles: &Particles, step: f64, by_range: bool) -> Assessment {
+        let Rkl2 { balance, pace, old, first_rate, last_rate, found, .. } = self;
+        let range = match pace {
+            Pace::Controlled { range, .. } if by_range => Some(&*range),
+            _ => None,
+        };
+        let Particles { enthalpy, start: started, volumes, .. } = particles;
+        let made = MadeStep { columns: [enthalpy, old, first_rate, last_rate], step, started, volumes, range };
+        made.assess(balance.team(), found)
     }
 
     /// Keeps a step (s) whose result is in `old`; returns it.
@@ -358,8 +358,8 @@ impl Solver for Rkl2 {
         if clock.turned {
             self.first_holds_at = None;
         }
-        let state = &mut particles.enthalpy;
         if let Pace::Fixed { stages, steps } = &mut self.pace {
+            let state = &mut particles.enthalpy;
             *steps = steps.saturating_add(1);
             let stages = *stages;
             let step =
@@ -374,21 +374,19 @@ impl Solver for Rkl2 {
             let step = self.walk(particles, &Clock { step, ..*clock });
             return Ok(self.keep(&mut particles.enthalpy, clock.time, step));
         }
-        let (state, volumes) = (&mut particles.enthalpy, &particles.volumes);
         let mut step = clock.step;
         if self.balance.companion().is_some() {
             step = step.min(self.longest(self.most()));
         }
-        step = self.to_kink(state, clock.time, step);
+        step = self.to_kink(&particles.enthalpy, clock.time, step);
         loop {
             let attempt = Clock { step, ..*clock };
-            self.chain(state, &attempt, self.stages(step));
+            self.chain(&particles.enthalpy, &attempt, self.stages(step));
             self.first_holds_at = Some(clock.time);
             self.end(&attempt, step);
-            let (error, size) = self.error(state, step, volumes);
-            let size = taken_up(&self.old, &particles.start, size);
-            let Pace::Controlled { control, range, .. } = &mut self.pace else { return Ok(step) };
-            let leaves = range.excess(&self.old) > EXCESS;
+            let Assessment { error, size, excess } = self.assess(particles, step, true);
+            let Pace::Controlled { control, .. } = &mut self.pace else { return Ok(step) };
+            let leaves = excess > EXCESS;
             let judgement = if !error.is_finite() {
                 if control.is_least(step) {
                     return Err(StepError::NotFinite(step));
@@ -401,12 +399,12 @@ impl Solver for Rkl2 {
             };
             if leaves && judgement == Judgement::Keep {
                 // Heun's rule keeps the range of the data.
-                step = self.euler(state, &attempt);
-                self.mend(state, &attempt, step);
+                step = self.euler(&particles.enthalpy, &attempt);
+                self.mend(&particles.enthalpy, &attempt, step);
                 self.work.limited_steps += 1;
             }
             match judgement {
-                Judgement::Keep => return Ok(self.keep(state, clock.time, step)),
+                Judgement::Keep => return Ok(self.keep(&mut particles.enthalpy, clock.time, step)),
                 Judgement::Again(shorter) => {
                     self.work.rejected_steps += 1;
                     step = shorter;
@@ -479,6 +477,11 @@ impl HeapSize for Rkl2 {
             Pace::Controlled { range, .. } => range.heap_size(),
         };
         let coefficients = self.coefficients.capacity() * size_of::<Coefficients>();
-        self.balance.heap_size() + range + coefficients + columns.into_iter().map(HeapSize::heap_size).sum::<usize>()
+        let found = self.found.capacity() * size_of::<Assessment>();
+        self.balance.heap_size()
+            + range
+            + coefficients
+            + found
+            + columns.into_iter().map(HeapSize::heap_size).sum::<usize>()
     }
 }

@@ -107,7 +107,7 @@ impl Guard {
     /// A particle that is no number, or far from all data.
     pub fn look(&mut self, particles: &Particles, clock: &Clock, bound: &Bound) -> Result<(), Absurd> {
         let enthalpy = &particles.enthalpy;
-        let outside = MinMax::without(enthalpy, &self.inside_pipes);
+        let outside = MinMax::without(enthalpy, (0, &self.inside_pipes));
         if !outside.are_finite || !self.inside_pipes.iter().all(|i| enthalpy[*i as usize].is_finite()) {
             let first = enthalpy.iter().position(|enthalpy| !enthalpy.is_finite()).unwrap_or_default();
             return Err(Absurd::new(particles, first, clock, bound, Fault::NotFinite));

@@ -7,14 +7,15 @@ use crate::balances::groundwater::bend::Bend;
 use crate::balances::groundwater::carrier::State;
 use crate::balances::groundwater::network::MOST_WALLS;
 use crate::balances::groundwater::surfaces::Crossed;
-use crate::balances::groundwater::tasks::{sum, tasks};
+use crate::balances::groundwater::tasks::sum;
 use crate::boundary::patch::{Boundary, Face};
 use crate::memory::{HeapSize, total};
 use crate::particles::Particles;
 use crate::saved::{Pass, Saved};
-use crate::solvers::balance::{Balance, BalanceFacts, Companion, Rates, StageColumns, Tangent, TangentShape, Update};
+use crate::solvers::balance::{Balance, BalanceFacts, Companion, Rates, Tangent, TangentShape, Update};
 use crate::solvers::solver::Water;
 use crate::solvers::step::{Bound, Clock, StepError};
+use crate::team::Team;
 
 /// Heat that is conducted and carried by water.
 pub struct AdvectedHeat {
@@ -140,6 +141,10 @@ impl Balance for AdvectedHeat {
         self.conduction.next_kink(enthalpy, rates, within)
     }
 
+    fn team(&self) -> Option<&Team> {
+        self.water.team.as_ref()
+    }
+
     fn rate(&mut self, enthalpy: &[f64], clock: &Clock, rates: &mut Rates<'_>) {
         let Rates { of_particles, patches, surfaces } = rates;
         let own = patches.len() - 1;
@@ -167,11 +172,7 @@ impl Balance for AdvectedHeat {
             Update::Stage(stage, columns) => {
                 rate.resize(columns.newest.len(), 0.0);
                 (self as &mut dyn Balance).rates(columns.newest, clock, &mut rate, patches);
-                let StageColumns { newest, oldest, start, first: rates } = columns;
-                tasks(self.water.team.as_ref(), oldest, |from, oldest| {
-                    let [newest, start, first] = [&newest[from..], &start[from..], &rates[from..]];
-                    stage.take(&mut StageColumns { newest, oldest, start, first }, &rate[from..]);
-                });
+                stage.take(self.team(), columns, &rate);
             }
         }
         self.rate = rate;

@@ -12,6 +12,7 @@ use crate::ledger::Sum;
 use crate::solvers::balance::{Balance, BalanceFacts, Rates, Tangent, TangentShape, Update};
 use crate::solvers::passenger::Passenger;
 use crate::solvers::step::Clock;
+use crate::team::Team;
 
 /// Entries of a row that are summed side by side, so that none waits for the last.
 const ABREAST: usize = 4;
@@ -54,10 +55,14 @@ impl Balance for Solute {
             }
             Update::Stage(stage, columns) => {
                 (self as &mut dyn Balance).rates(columns.newest, clock, &mut rate, patches);
-                stage.take(columns, &rate);
+                stage.take(self.list.team.as_ref(), columns, &rate);
             }
         }
         self.rate = rate;
+    }
+
+    fn team(&self) -> Option<&Team> {
+        self.list.team.as_ref()
     }
 
     fn tangent(&mut self) -> &mut dyn Tangent {

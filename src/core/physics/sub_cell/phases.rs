@@ -2,7 +2,9 @@
 
 use super::numbers::{Flags as _, Kind, LANES, Numbers as _, by_kind};
 use crate::memory::HeapSize;
+use crate::parts::{PART, in_parts};
 use crate::physics::sharp_stretches::{Sharp, Stretch};
+use crate::team::Team;
 
 /// Particles in a word.
 const WORD: usize = u64::BITS as usize;
@@ -27,7 +29,12 @@ impl Phases {
     }
 
     /// Those of a state of enthalpies (J/m3), in stretches whose fronts are followed.
-    pub(super) fn update(&mut self, (materials, stretches): (&[Sharp], &[Stretch]), enthalpy: &[f64]) {
+    pub(super) fn update(
+        &mut self,
+        team: Option<&Team>,
+        (materials, stretches): (&[Sharp], &[Stretch]),
+        enthalpy: &[f64],
+    ) {
         for (first, end, sharp) in stretches {
             let (first, end, interval) = (*first as usize, *end as usize, materials[*sharp as usize].interval);
             // Words that a stretch fills, and its ends, which others may go on from.
@@ -38,8 +45,12 @@ impl Phases {
             }
             self.set_some(enthalpy, (first, from * WORD), interval);
             let range = from..until;
-            let words = (&mut self.frozen[range.clone()], &mut self.freezing[range.clone()], &mut self.unfrozen[range]);
-            tell_widely(&enthalpy[from * WORD..until * WORD], interval, words);
+            let told = [&mut self.frozen, &mut self.freezing, &mut self.unfrozen];
+            let [frozen, freezing, unfrozen] = told.map(|words| words[range.clone()].chunks_mut(PART / WORD));
+            let parts = enthalpy[from * WORD..until * WORD].chunks(PART).zip(frozen.zip(freezing).zip(unfrozen));
+            in_parts(team, (until - from) * WORD, parts, |(enthalpy, ((frozen, freezing), unfrozen))| {
+                tell_widely(enthalpy, interval, (frozen, freezing, unfrozen));
+            });
             self.set_some(enthalpy, (until * WORD, end), interval);
         }
     }
@@ -240,7 +251,7 @@ mod tests {
             let first = first % count;
             let stretches = [(first as u32, count as u32, 0)];
             let mut phases = Phases::new(count);
-            phases.update((&[material], &stretches), &states);
+            phases.update(None, (&[material], &stretches), &states);
             let plain: Vec<u8> =
                 (0..count).map(|k| if k < first { 8 } else { plainly(states[k], interval) }).collect();
             let mut freezing = Vec::new();

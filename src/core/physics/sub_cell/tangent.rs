@@ -39,7 +39,7 @@ impl SubCellFront {
         freezing.clear();
         by_potential.clear();
         by_enthalpy.clear();
-        self.look(enthalpy, laws);
+        self.look(None, enthalpy, laws);
         self.each_front(lattice, enthalpy, 1, |front, _, fronts, particle, sharp| {
             let states = (laws, enthalpy);
             front.one.look_around((lattice, &front.surroundings), fronts, states, (sharp.potential, sharp.middle()));

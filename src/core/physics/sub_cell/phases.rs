@@ -1,6 +1,7 @@
 //! In which phase each particle is, in a bit for each phase.
 
 use super::numbers::{Flags as _, Kind, LANES, Numbers as _, by_kind};
+use crate::instruction_set::widest;
 use crate::memory::HeapSize;
 use crate::parts::{PART, in_parts};
 use crate::physics::sharp_stretches::{Sharp, Stretch};
@@ -8,6 +9,9 @@ use crate::team::Team;
 
 /// Particles in a word.
 const WORD: usize = u64::BITS as usize;
+
+/// Words in which neighbours are looked for together.
+const AT_ONCE: usize = 8;
 
 /// The phases of all particles: those at an end of the freezing interval, and those whose fronts are not followed, are in none.
 #[derive(Debug, Clone)]
@@ -23,8 +27,8 @@ type Words = [u64; 3];
 impl Phases {
     /// Of so many particles, none of which is followed.
     pub(super) fn new(count: usize) -> Self {
-        // One more, so that each word has one behind it.
-        let words = || vec![0; count / WORD + 2];
+        // More, so that all words that are looked at together have one behind them.
+        let words = || vec![0; count / WORD + 2 + AT_ONCE];
         Phases { frozen: words(), freezing: words(), unfrozen: words() }
     }
 
@@ -88,27 +92,40 @@ impl Phases {
     /// Adds neighbours of which one is frozen and the other not; these are given by the first that have one, one past the
     /// last, and how many numbers further it is.
     pub(super) fn find_apart(&self, neighbours: &[(u32, u32, u32)], apart: &mut Vec<(u32, u32)>) {
-        for (first, end, shift) in neighbours {
-            let (end, shift) = (*end as usize, *shift as usize);
-            for place in (*first as usize..end).step_by(WORD) {
-                let frozen = [place, place + shift].map(|place| from(&self.frozen, place));
-                if frozen[0] | frozen[1] == 0 {
-                    continue;
-                }
-                let unfrozen = [place, place + shift].map(|place| from(&self.unfrozen, place));
-                let bits = frozen[0] & unfrozen[1] | frozen[1] & unfrozen[0];
-                let bits = bits & u64::MAX >> (place + WORD).saturating_sub(end);
-                add_all(bits, place as u32, |particle| apart.push((particle, particle + shift as u32)));
-            }
-        }
+        find_apart_widely(neighbours, (&self.frozen, &self.unfrozen), apart);
     }
 }
 
-/// A word from a place on.
+widest!(find_apart_widely, find_apart_of, (neighbours: &[(u32, u32, u32)], words: (&[u64], &[u64]), apart: &mut Vec<(u32, u32)>));
+
 #[inline(always)]
-fn from(words: &[u64], place: usize) -> u64 {
-    let (word, shift) = (place / WORD, place % WORD);
-    words[word] >> shift | words[word + 1] << 1 << (WORD - 1 - shift)
+fn find_apart_of(neighbours: &[(u32, u32, u32)], (frozen, unfrozen): (&[u64], &[u64]), apart: &mut Vec<(u32, u32)>) {
+    for (first, end, shift) in neighbours {
+        let (first, end) = (*first as usize, *end as usize);
+        for word in (first / WORD..end.div_ceil(WORD)).step_by(AT_ONCE) {
+            let other = word * WORD + *shift as usize;
+            let (other, by) = (other / WORD, (other % WORD) as u32);
+            let [own_frozen, own_unfrozen] = [&frozen[word..][..AT_ONCE], &unfrozen[word..][..AT_ONCE]];
+            let [others_frozen, others_unfrozen] = [&frozen[other..][..AT_ONCE + 1], &unfrozen[other..][..AT_ONCE + 1]];
+            let (mut found, mut any) = ([0; AT_ONCE], 0);
+            for k in 0..AT_ONCE {
+                let frozen = others_frozen[k] >> by | others_frozen[k + 1] << 1 << (WORD as u32 - 1 - by);
+                let unfrozen = others_unfrozen[k] >> by | others_unfrozen[k + 1] << 1 << (WORD as u32 - 1 - by);
+                found[k] = own_frozen[k] & unfrozen | frozen & own_unfrozen[k];
+                any |= found[k];
+            }
+            // Few neighbours are apart.
+            if any == 0 {
+                continue;
+            }
+            for (bits, word) in found.into_iter().zip(word..end.div_ceil(WORD)) {
+                let start = word * WORD;
+                let bits =
+                    bits & u64::MAX << first.saturating_sub(start) & u64::MAX >> (start + WORD).saturating_sub(end);
+                add_all(bits, start as u32, |particle| apart.push((particle, particle + shift)));
+            }
+        }
+    }
 }
 
 /// Does something with the number of each bit, from a first number on.

@@ -13,7 +13,7 @@ use crate::space::lattice::Lattice;
 use crate::team::{Team, share};
 
 /// Contacts that a thread handles at once.
-const CONTACTS: usize = 1024;
+const CONTACTS: usize = 256;
 
 /// What lies behind a curved wall.
 #[derive(Debug, Clone, Default)]

@@ -28,6 +28,8 @@ mod readings;
 mod tangent;
 mod window;
 
+use std::ops::Range;
+
 use crate::bonds::stencil::Stencil;
 use crate::memory::HeapSize;
 use crate::physics::latent_heat::Materials;
@@ -36,7 +38,7 @@ use crate::physics::sharp_stretches::{Sharp, Stretch, material_of, stretches};
 use crate::side_by_side::first_reached;
 use crate::solvers::kept::add_one;
 use crate::space::lattice::Lattice;
-use crate::team::Team;
+use crate::team::{Team, share};
 use changes::Changes;
 use exchange::exchange;
 pub use extent::Extent;
@@ -59,15 +61,14 @@ pub struct SubCellFront {
     surroundings: Surroundings,
     /// Fronts on faces between particles.
     faces: Faces,
-    /// Particles that freeze.
+    /// Particles of a stretch that freeze.
     freezing: Vec<u32>,
-    /// Cells and frozen fractions of those at hand.
-    fronts: Vec<Front>,
-    /// What lies around several of them, in a plane, and around one.
-    several: Option<Window<LANES>>,
-    one: Window<1>,
-    /// What fronts add to the rates of particles (W/m3).
-    changes: Changes,
+    /// Fronts that were found.
+    found: Found,
+    /// Where several of them act at once, in a plane: one for each thread.
+    several: Vec<Acting<LANES>>,
+    /// Where one does.
+    one: Acting<1>,
     /// How that follows small changes.
     tangent: FrontTangent,
 }
@@ -80,6 +81,38 @@ enum Where {
     /// On the face of a particle that it enters.
     Entering,
 }
+
+/// Fronts that were found, in groups of which all are alike.
+#[derive(Debug, Clone, Default)]
+struct Found {
+    /// Cells and frozen fractions.
+    fronts: Vec<Front>,
+    groups: Vec<Group>,
+}
+
+/// Fronts that act at once.
+#[derive(Debug, Clone)]
+struct Group {
+    /// Which of those found.
+    fronts: Range<usize>,
+    lies: Where,
+    /// Number of their material.
+    sharp: u32,
+    /// Particle of the first.
+    particle: u32,
+}
+
+/// Where some fronts act at once.
+#[derive(Debug, Clone)]
+struct Acting<const L: usize> {
+    /// What lies around them.
+    window: Window<L>,
+    /// What fronts add to the rates of particles (W/m3).
+    changes: Changes,
+}
+
+/// Groups that a thread must have to itself: fewer are done before they are shared.
+const GROUPS_PER_THREAD: usize = 16;
 
 impl SubCellFront {
     /// Fronts of materials on a lattice. Particles that `mixed` tells have neighbours of other materials, or pairs that are
@@ -97,9 +130,10 @@ impl SubCellFront {
         let surroundings = Surroundings { reach, mirrors: extent.mirrors, repeats: extent.repeats };
         let pairs = Pairs::new(stencil, &surroundings, &extent);
         let numbers = (pairs.ends.len(), pairs.spans.len());
-        let several = (lattice.dimension > 1).then(|| Window::new(&surroundings, numbers));
-        let one = Window::new(&surroundings, numbers);
-        let changes = Changes::with_room(2 * one.changes.len() * (lattice.columns + lattice.rows));
+        let window = Window::new(&surroundings, numbers);
+        let room = || Changes::with_room(2 * window.changes.len() * (lattice.columns + lattice.rows));
+        let in_plane = || Acting { window: Window::new(&surroundings, numbers), changes: room() };
+        let several = (lattice.dimension > 1).then(in_plane).into_iter().collect();
         SubCellFront {
             phases: Phases::new(lattice.len()),
             faces: Faces::new(lattice, &extent),
@@ -108,25 +142,49 @@ impl SubCellFront {
             pairs,
             surroundings,
             freezing: Vec::new(),
-            fronts: Vec::with_capacity(LANES),
+            found: Found::default(),
             several,
-            one,
-            changes,
+            one: Acting { changes: room(), window },
             tangent: FrontTangent::default(),
+        }
+    }
+
+    /// Makes room for threads that are to share it.
+    pub fn share_among(&mut self, threads: usize) {
+        if let Some(first) = self.several.first().cloned() {
+            self.several.resize(threads, first);
         }
     }
 
     /// Brings the fronts to a state of enthalpies (J/m3), with threads if there are more than one.
     pub fn update(&mut self, team: Option<&Team>, lattice: &Lattice, enthalpy: &[f64], laws: &impl Laws) {
-        self.changes.clear();
         self.look(team, enthalpy, laws);
-        let most = if self.several.is_some() { LANES } else { 1 };
-        self.each_front(lattice, enthalpy, most, |front, lies, fronts, _, sharp| {
-            let SubCellFront { pairs, faces, surroundings, several, one, changes, .. } = front;
-            let (all, place, states) = ((&*pairs, &*faces, lies), (lattice, &*surroundings), (laws, enthalpy));
-            match several {
-                Some(window) => act_widely(window, all, place, (fronts, &sharp), states, changes),
-                None => act(Portable, one, all, place, (fronts, &sharp), states, changes),
+        let most = if self.several.is_empty() { 1 } else { LANES };
+        self.find(lattice, enthalpy, most);
+        let SubCellFront { sharp, pairs, faces, surroundings, found: Found { fronts, groups }, several, one, .. } =
+            self;
+        one.changes.clear();
+        several.iter_mut().for_each(|acting| acting.changes.clear());
+        let place = (lattice, &*surroundings);
+        let of_group = |group: &Group| {
+            let all = (&*pairs, &*faces, group.lies);
+            (all, (&fronts[group.fronts.clone()], &sharp[group.sharp as usize]))
+        };
+        let states = (laws, enthalpy);
+        if several.is_empty() {
+            for group in &*groups {
+                let (all, fronts) = of_group(group);
+                act(Portable, one, all, place, fronts, states);
+            }
+            return;
+        }
+        // Parts of groups in their order: whoever does them, changes come as they would from one thread.
+        let parts = several.len().min(groups.len() / GROUPS_PER_THREAD).max(1);
+        let length = groups.len().div_ceil(parts).max(1);
+        share(team.filter(|_| parts > 1), several.iter_mut().zip(groups.chunks(length)), |(acting, groups)| {
+            for group in groups {
+                let (all, fronts) = of_group(group);
+                act_widely(acting, all, place, fronts, states);
             }
         });
     }
@@ -135,7 +193,7 @@ impl SubCellFront {
     /// face turns to the particle on the other side, or `within` where none does so earlier; infinite in a plane, where one of so many
     /// always does soon.
     pub fn next_kink(&self, enthalpy: &[f64], rates: &[f64], within: f64, laws: &impl Laws) -> f64 {
-        if self.several.is_some() {
+        if !self.several.is_empty() {
             return f64::INFINITY;
         }
         let mut next = within;
@@ -163,27 +221,23 @@ impl SubCellFront {
         self.faces.update(&self.phases, followed, enthalpy, laws);
     }
 
-    /// Does something at every front that was found, at most so many of them at a time: by their kind, cells and frozen
-    /// fractions, by the particle of the first, and by the material.
-    fn each_front(
-        &mut self,
-        lattice: &Lattice,
-        enthalpy: &[f64],
-        most: usize,
-        mut some: impl FnMut(&mut Self, Where, &[Front], usize, Sharp),
-    ) {
-        let fraction = |Sharp { interval: (frozen, unfrozen), .. }: Sharp, particle: usize| {
+    /// Finds the fronts of the phases and faces that were found, at most so many of them in a group.
+    fn find(&mut self, lattice: &Lattice, enthalpy: &[f64], most: usize) {
+        let SubCellFront { sharp, stretches, phases, faces, freezing, found: Found { fronts, groups }, .. } = self;
+        let fraction = |number: u32, particle: usize| {
+            let (frozen, unfrozen) = sharp[number as usize].interval;
             ((unfrozen - enthalpy[particle]) / (unfrozen - frozen)).clamp(0.0, 1.0)
         };
+        fronts.clear();
+        groups.clear();
         // Particles come in the order of their rows.
         let mut row = 0;
-        let (mut freezing, mut fronts) = (std::mem::take(&mut self.freezing), std::mem::take(&mut self.fronts));
-        for stretch in 0..self.stretches.len() {
-            let sharp = self.sharp[self.stretches[stretch].2 as usize];
+        for stretch in &*stretches {
+            let sharp = stretch.2;
             freezing.clear();
-            self.phases.find_freezing(self.stretches[stretch], &mut freezing);
+            phases.find_freezing(*stretch, freezing);
             for particles in freezing.chunks(most) {
-                fronts.clear();
+                let first = fronts.len();
                 fronts.extend(particles.iter().map(|particle| {
                     let particle = *particle as usize;
                     while lattice.start(row + 1) <= particle {
@@ -192,37 +246,45 @@ impl SubCellFront {
                     let column = lattice.span(row).0 + particle - lattice.start(row);
                     ((column as i64, row as i64), fraction(sharp, particle))
                 }));
-                some(self, Where::Inside, &fronts, particles[0] as usize, sharp);
+                groups.push(Group { fronts: first..fronts.len(), lies: Where::Inside, sharp, particle: particles[0] });
             }
         }
-        let mut done = 0;
-        while let Some((number, first)) = self.faces.entered().get(done).copied() {
-            let sharp = self.sharp[number as usize];
-            let alike = self.faces.entered()[done..].iter().take(most).take_while(|entered| entered.0 == number);
-            fronts.clear();
-            fronts.extend(alike.map(|(_, particle)| {
-                let particle = *particle as usize;
-                (lattice.cell(particle), fraction(sharp, particle))
-            }));
-            done += fronts.len();
-            some(self, Where::Entering, &fronts, first as usize, sharp);
+        for alike in faces.entered().chunk_by(|one, next| one.0 == next.0) {
+            for entered in alike.chunks(most) {
+                let (first, (sharp, particle)) = (fronts.len(), entered[0]);
+                fronts.extend(entered.iter().map(|(_, particle)| {
+                    let particle = *particle as usize;
+                    (lattice.cell(particle), fraction(sharp, particle))
+                }));
+                groups.push(Group { fronts: first..fronts.len(), lies: Where::Entering, sharp, particle });
+            }
         }
-        (self.freezing, self.fronts) = (freezing, fronts);
+    }
+
+    /// What fronts add to the rates of particles (W/m3), in the order of the fronts.
+    #[inline(always)]
+    fn changes(&self) -> impl Iterator<Item = &[(u32, f64)]> {
+        let of_one = self.one.changes.all();
+        self.several.iter().map(|acting| acting.changes.all()).chain([of_one])
     }
 
     /// Adds what the fronts exchange to `rates`, scaled.
     #[inline]
     pub fn add(&self, rates: &mut [f64], scale: f64) {
-        for (particle, change) in self.changes.all() {
-            rates[*particle as usize] += scale * change;
+        for changes in self.changes() {
+            for (particle, change) in changes {
+                rates[*particle as usize] += scale * change;
+            }
         }
     }
 
     /// The same to contents, with what rounding takes from them kept in `lost`.
     #[inline]
     pub fn add_keeping(&self, contents: &mut [f64], lost: &mut [f64], scale: f64) {
-        for (particle, change) in self.changes.all() {
-            add_one(&mut contents[*particle as usize], scale * change, &mut lost[*particle as usize]);
+        for changes in self.changes() {
+            for (particle, change) in changes {
+                add_one(&mut contents[*particle as usize], scale * change, &mut lost[*particle as usize]);
+            }
         }
     }
 
@@ -257,12 +319,11 @@ by_kind!(
     act_widely,
     act[Lw: Laws],
     (
-        window: &mut Window<LANES>,
+        acting: &mut Acting<LANES>,
         all: (&Pairs, &Faces, Where),
         place: (&Lattice, &Surroundings),
         fronts: (&[Front], &Sharp),
-        states: (&Lw, &[f64]),
-        changes: &mut Changes
+        states: (&Lw, &[f64])
     )
 );
 
@@ -271,12 +332,11 @@ by_kind!(
 #[inline(always)]
 fn act<Lw: Laws, const L: usize>(
     kind: impl Kind<L>,
-    window: &mut Window<L>,
+    Acting { window, changes }: &mut Acting<L>,
     (pairs, faces, front): (&Pairs, &Faces, Where),
     place: (&Lattice, &Surroundings),
     (fronts, material): (&[Front], &Sharp),
     states: (&Lw, &[f64]),
-    changes: &mut Changes,
 ) {
     window.look_around(place, fronts, states, (material.potential, material.middle()));
     match front {
@@ -288,10 +348,18 @@ fn act<Lw: Laws, const L: usize>(
 
 impl HeapSize for SubCellFront {
     fn heap_size(&self) -> usize {
-        let windows = self.one.heap_size() + self.several.as_ref().map_or(0, HeapSize::heap_size);
-        let states = windows + self.changes.heap_size() + self.freezing.heap_size();
+        let several = self.several.capacity() * size_of::<Acting<LANES>>();
+        let windows = self.one.heap_size() + several + self.several.iter().map(HeapSize::heap_size).sum::<usize>();
+        let groups = self.found.groups.capacity() * size_of::<Group>();
+        let states = windows + self.freezing.heap_size() + groups + self.found.fronts.capacity() * size_of::<Front>();
         let found = self.phases.heap_size() + self.faces.heap_size();
         let tangent = self.tangent.heap_size();
         self.pairs.heap_size() + states + found + tangent
+    }
+}
+
+impl<const L: usize> HeapSize for Acting<L> {
+    fn heap_size(&self) -> usize {
+        self.window.heap_size() + self.changes.heap_size()
     }
 }

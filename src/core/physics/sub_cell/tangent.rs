@@ -1,10 +1,10 @@
 //! How what fronts add follows small changes of the state.
 
-use super::SubCellFront;
 use super::exchange::opposite;
 use super::numbers::{Flags as _, Portable};
 use super::pairs::{Cut, End, distance};
 use super::window::Window;
+use super::{Acting, Found, Group, SubCellFront};
 use crate::memory::HeapSize;
 use crate::physics::laws::Laws;
 use crate::space::lattice::Lattice;
@@ -40,14 +40,20 @@ impl SubCellFront {
         by_potential.clear();
         by_enthalpy.clear();
         self.look(None, enthalpy, laws);
-        self.each_front(lattice, enthalpy, 1, |front, _, fronts, particle, sharp| {
-            let states = (laws, enthalpy);
-            front.one.look_around((lattice, &front.surroundings), fronts, states, (sharp.potential, sharp.middle()));
-            front.one.note_phases(&front.faces);
-            slopes[particle] = steepest(particle);
-            front.tangent.freezing.push((particle as u32, 1.0 / slopes[particle]));
-            front.exchange_changes(sharp.interval);
-        });
+        self.find(lattice, enthalpy, 1);
+        let Found { fronts, groups } = std::mem::take(&mut self.found);
+        for Group { fronts: some, sharp, particle, .. } in &groups {
+            let SubCellFront { sharp: materials, surroundings, faces, one: Acting { window, .. }, .. } = self;
+            let (sharp, states) = (materials[*sharp as usize], (laws, enthalpy));
+            let at = (sharp.potential, sharp.middle());
+            window.look_around((lattice, &*surroundings), &fronts[some.clone()], states, at);
+            window.note_phases(faces);
+            let slope = &mut slopes[*particle as usize];
+            *slope = steepest(*particle as usize);
+            self.tangent.freezing.push((*particle, 1.0 / *slope));
+            self.exchange_changes(sharp.interval);
+        }
+        self.found = Found { fronts, groups };
     }
 
     /// How what the front in the middle of the window exchanges follows the potentials around it, and the enthalpy of its own
@@ -55,7 +61,7 @@ impl SubCellFront {
     fn exchange_changes(&mut self, interval: (f64, f64)) {
         let slope = -1.0 / (interval.1 - interval.0);
         let FrontTangent { freezing, by_potential, by_enthalpy, .. } = &mut self.tangent;
-        let (window, pairs) = (&self.one, &self.pairs);
+        let (window, pairs) = (&self.one.window, &self.pairs);
         let mut flows = Flows { window, by_potential, by_enthalpy, own: freezing.len() as u32 - 1, slope };
         for pair in pairs.own.iter().filter(|pair| pair.cells < 2.0) {
             flows.add_straight(pair.other, pair.cells, pair.weight);

@@ -189,18 +189,22 @@ fn errors_follow_the_tolerance() {
     }
 }
 
+/// Of bodies in which threads share all that a step does: sweeps, fronts, errors, and what lies behind a curved wall.
 #[test]
 fn steps_by_error_do_not_depend_on_the_number_of_threads() {
-    let mut sketch =
-        Sketch::new(Domain::Rectangle { width: 1.8, height: 4.0 }, 0.01).wall("left", "temperature_c = -10");
-    sketch.initial_c = 0.5;
-    sketch.duration_s = 400.0;
-    for (kind, integrator) in even().flat_map(|kind| INTEGRATORS.map(|integrator| (kind, integrator))) {
-        let hash = |threads: usize| {
-            let options = Options { threads, ..Options::default() };
-            sketch.clone().with(integrator).run_with(kind, &options).record.state_hash
-        };
-        assert_eq!(hash(3), hash(1), "{}, {integrator}", kind.name);
+    let rectangle = (Domain::Rectangle { width: 1.8, height: 4.0 }, "left");
+    let ring = (Domain::Ring { outer_radius: 1.4, sector: Sector::Whole }, "outer");
+    for (domain, wall) in [rectangle, ring] {
+        let mut sketch = Sketch::new(domain, 0.01).wall(wall, "temperature_c = -10");
+        sketch.initial_c = 0.5;
+        sketch.duration_s = 400.0;
+        for (kind, integrator) in even().flat_map(|kind| INTEGRATORS.map(|integrator| (kind, integrator))) {
+            let hash = |threads: usize| {
+                let options = Options { threads, ..Options::default() };
+                sketch.clone().with(integrator).run_with(kind, &options).record.state_hash
+            };
+            assert_eq!(hash(3), hash(1), "{wall}, {}, {integrator}", kind.name);
+        }
     }
 }
 

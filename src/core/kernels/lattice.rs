@@ -95,10 +95,6 @@ impl<L: Laws> LatticeBalance<L> {
         };
         let derived = stiffness.bound();
         let bands = bands(&around.lattice, threads(&team, &around), shape);
-        let mut front = parts.front;
-        if let Some(front) = &mut front {
-            front.share_among(bands.len());
-        }
         let is_bare = parts.sinks.is_empty()
             && corners.is_empty()
             && parts.irregular.is_none()
@@ -123,7 +119,7 @@ impl<L: Laws> LatticeBalance<L> {
             sinks: parts.sinks,
             corner_rates: vec![0.0; corners.len()],
             corners,
-            front,
+            front: parts.front.map(|front| front.shared_among(bands.len())),
             irregular: parts.irregular,
             observed: parts.observed,
             row_patches: vec![[0.0; 4]; around.lattice.rows],

@@ -149,11 +149,13 @@ impl SubCellFront {
         }
     }
 
-    /// Makes room for threads that are to share it.
-    pub fn share_among(&mut self, threads: usize) {
+    /// With room for so many threads, which share it.
+    #[must_use]
+    pub fn shared_among(mut self, threads: usize) -> Self {
         if let Some(first) = self.several.first().cloned() {
             self.several.resize(threads, first);
         }
+        self
     }
 
     /// Brings the fronts to a state of enthalpies (J/m3), with threads if there are more than one.

@@ -406,9 +406,18 @@ fn go_rows(length: f64, [direction, image]: [&[f64]; 2], pressure: &mut [f64], r
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut product = 0.0;
+    dot_widely([a, b], &mut product);
+    product
+}
+
+widest!(dot_widely, dot_of, (columns: [&[f64]; 2], product: &mut f64));
+
+#[inline(always)]
+fn dot_of([a, b]: [&[f64]; 2], product: &mut f64) {
     let count = a.len().min(b.len());
     let (a, b) = (&a[..count], &b[..count]);
-    sum(count, |i| a[i] * b[i])
+    *product = sum(count, |i| a[i] * b[i]);
 }
 
 #[cfg(test)]

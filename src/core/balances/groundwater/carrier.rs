@@ -22,7 +22,7 @@ use crate::balances::groundwater::diagonals::{BENT, sum};
 use crate::balances::groundwater::network::{NONE, Network};
 use crate::balances::groundwater::numerics::Advection;
 use crate::balances::groundwater::pressure::Pressure;
-use crate::balances::groundwater::tasks::{each, tasks, tasks_of_two, when};
+use crate::balances::groundwater::tasks::{any, each, tasks, tasks_of_two, when};
 use crate::balances::groundwater::velocity::velocities;
 use crate::balances::row::Row;
 use crate::memory::{HeapSize, total};
@@ -250,9 +250,7 @@ impl Carrier {
             }
         });
         network.sums(team, [carried; 3], |[carried, ..], earlier| if earlier { -carried } else { carried }, kept);
-        for kept in kept {
-            *kept /= half;
-        }
+        each(team, kept, |_, kept| *kept /= half);
     }
 
     /// Adds the exchange that keeps factors and conduction together from being negative, and finds the greatest sum.
@@ -279,9 +277,10 @@ impl Carrier {
             };
             network.sums(team, [carried, beside, exchange], stiff, sums);
         }
-        self.exchanges = self.exchange.iter().any(|added| *added > 0.0);
-        let outruns = |(carried, conducted): (&f64, &f64)| 2.0 * carried.abs() > FAST * conducted.abs();
-        self.bends = may_bend && self.carried.iter().zip(conducted).any(outruns);
+        let (exchange, carried) = (&self.exchange, &self.carried);
+        self.exchanges = any(team, exchange.len(), |slot| exchange[slot] > 0.0);
+        let outruns = |slot: usize| 2.0 * carried[slot].abs() > FAST * conducted[slot].abs();
+        self.bends = may_bend && any(team, carried.len().min(conducted.len()), outruns);
         self.limits_now = limited && (self.bends || self.exchanges);
         self.gradients.resize(if self.bends { network.len() } else { 0 }, DVec2::ZERO);
         let sums = &mut self.sums;

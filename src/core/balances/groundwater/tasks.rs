@@ -1,5 +1,8 @@
 //! Work in parts that do not depend on the number of threads.
 
+use std::sync::atomic::AtomicBool;
+use std::sync::atomic::Ordering::Relaxed;
+
 use crate::balances::groundwater::diagonals;
 use crate::team::Team;
 
@@ -45,6 +48,17 @@ pub(super) fn sum(team: Option<&Team>, sums: &mut Vec<f64>, count: usize, term: 
         *sum = diagonals::sum(TASK.min(count - first), |i| term(first + i));
     });
     sums.iter().sum()
+}
+
+/// Whether something is so of any of so many numbers.
+pub(super) fn any(team: Option<&Team>, count: usize, is_so: impl Fn(usize) -> bool + Sync) -> bool {
+    let found = AtomicBool::new(false);
+    share(team, count, (0..count).step_by(TASK), |first| {
+        if !found.load(Relaxed) && (first..count.min(first + TASK)).any(&is_so) {
+            found.store(true, Relaxed);
+        }
+    });
+    found.into_inner()
 }
 
 /// Does parts of a work on so many rows, side by side if they are many.

@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use crate::balances::groundwater::network::Network;
 use crate::balances::groundwater::pressure::bands::Bands;
-use crate::balances::groundwater::pressure::envelope::Envelope;
+use crate::balances::groundwater::pressure::envelope::{Envelope, FOUR};
 use crate::memory::{HeapSize, total};
 
 /// Particles of a block, as far as the number of blocks allows.
@@ -149,20 +149,37 @@ impl Coarse {
                 }
             }
         });
-        for (value, [_, entry]) in self.block_values.iter_mut().zip(&self.by_block) {
-            *value = self.values[*entry as usize];
-        }
-        self.factor.clear();
-        for i in 0..network.len() {
-            let row = self.blocks[i] as usize;
-            for entry in self.starts[i]..self.starts[i + 1] {
-                let column = self.columns[entry] as usize;
-                if column <= row {
-                    *self.factor.entry(row, column) += self.values[entry];
+        self.take_blocks(bands);
+        self.factor.factorise();
+    }
+
+    /// Takes the entries of blocks from those of particles, and their matrix.
+    fn take_blocks(&mut self, bands: &Bands) {
+        let Coarse { blocks, values, block_starts, by_block, block_values, factor, .. } = self;
+        let (count, mut rest) = (block_starts.len() - 1, &mut block_values[..]);
+        let pieces = factor.pieces(count.div_ceil(bands.count().max(1)).next_multiple_of(FOUR)).map(|piece| {
+            let rows = piece.rows(count);
+            let (own, later) =
+                std::mem::take(&mut rest).split_at_mut(block_starts[rows.end] - block_starts[rows.start]);
+            rest = later;
+            (piece, own)
+        });
+        bands.each(pieces, |(mut piece, block_values)| {
+            piece.clear();
+            let rows = piece.rows(count);
+            let base = block_starts[rows.start];
+            for row in rows {
+                for place in block_starts[row]..block_starts[row + 1] {
+                    let [particle, entry] = by_block[place];
+                    let value = values[entry as usize];
+                    block_values[place - base] = value;
+                    let column = blocks[particle as usize] as usize;
+                    if column >= row {
+                        *piece.entry(row, column) += value;
+                    }
                 }
             }
-        }
-        self.factor.factorise();
+        });
     }
 
     /// Finds what a column holds of each block, as the matrix sees it.

@@ -4,6 +4,8 @@
 //! find is taken from all later ones at once: a sum over a row would have to end before the next can begin. Four rows end
 //! alike and are solved together: what they write is read again as it was written, which a processor does not wait for.
 
+use std::ops::Range;
+
 use crate::instruction_set::widest;
 use crate::memory::{HeapSize, total};
 
@@ -11,7 +13,7 @@ use crate::memory::{HeapSize, total};
 const PIVOT: f64 = 1e-14;
 
 /// Rows that are solved together, and numbers that are read together.
-const FOUR: usize = 4;
+pub(super) const FOUR: usize = 4;
 
 /// The matrix, and then its factor.
 #[derive(Debug, Clone, Default)]
@@ -23,6 +25,33 @@ pub(super) struct Envelope {
     entries: Vec<f64>,
     /// Inverse of the factor's diagonal; zero where there is no pivot.
     inverses: Vec<f64>,
+}
+
+/// Some rows of the upper triangle.
+pub(super) struct Piece<'a> {
+    /// The first of them.
+    first: usize,
+    /// Start of each row's entries among all, and the end of the last.
+    starts: &'a [usize],
+    entries: &'a mut [f64],
+}
+
+impl Piece<'_> {
+    /// Its rows, of so many in all.
+    pub(super) fn rows(&self, count: usize) -> Range<usize> {
+        self.first.min(count)..(self.first + self.starts.len() - 1).min(count)
+    }
+
+    /// Zeros everywhere.
+    pub(super) fn clear(&mut self) {
+        self.entries.fill(0.0);
+    }
+
+    /// The entry of one of its rows and of a column not before it.
+    #[inline(always)]
+    pub(super) fn entry(&mut self, row: usize, column: usize) -> &mut f64 {
+        &mut self.entries[self.starts[row - self.first] - self.starts[0] + column - row]
+    }
 }
 
 impl HeapSize for Envelope {
@@ -48,14 +77,16 @@ impl Envelope {
         Envelope { count, entries: vec![0.0; starts[ends.len()]], inverses: vec![0.0; ends.len()], starts }
     }
 
-    /// Zeros everywhere.
-    pub(super) fn clear(&mut self) {
-        self.entries.fill(0.0);
-    }
-
-    /// The entry of a row and of one not after it.
-    pub(super) fn entry(&mut self, row: usize, before: usize) -> &mut f64 {
-        &mut self.entries[self.starts[before] + row - before]
+    /// The upper triangle in pieces of so many rows.
+    pub(super) fn pieces(&mut self, rows: usize) -> impl Iterator<Item = Piece<'_>> + Send {
+        let Envelope { starts, entries, .. } = self;
+        let (starts, mut rest, count) = (&starts[..], &mut entries[..], starts.len() - 1);
+        (0..count).step_by(rows).map(move |first| {
+            let starts = &starts[first..=(first + rows).min(count)];
+            let (own, later) = std::mem::take(&mut rest).split_at_mut(starts[starts.len() - 1] - starts[0]);
+            rest = later;
+            Piece { first, starts, entries: own }
+        })
     }
 
     /// Puts the factor in the place of the matrix.
@@ -188,8 +219,12 @@ mod tests {
                 // More than all others together: positive.
                 let others: f64 = matrix[row].iter().map(|entry| entry.abs()).sum();
                 matrix[row][row] = if Some(row) == empty { 0.0 } else { others + 0.5 };
-                for column in firsts[row]..=row {
-                    *envelope.entry(row, column) = matrix[row][column];
+            }
+            for mut piece in envelope.pieces(5) {
+                for row in piece.rows(count) {
+                    for column in (row..count).filter(|column| firsts[*column] <= row) {
+                        *piece.entry(row, column) = matrix[row][column];
+                    }
                 }
             }
             let mut plain = envelope.clone();

@@ -344,9 +344,15 @@ impl Simulation<'_> {
         }
         if self.dense || index.is_multiple_of(GUARD_STEPS) || index.is_power_of_two() {
             self.method.publish(&mut self.particles);
-            self.guard.look(&self.particles, &self.clock, &self.bound)?;
+            self.watch()?;
         }
         Ok(())
+    }
+
+    /// Looks for values that are absurd.
+    fn watch(&mut self) -> Result<(), Stop> {
+        let team = self.method.balance().and_then(|balance| balance.team());
+        Ok(self.guard.look(team, &self.particles, &self.clock, &self.bound)?)
     }
 
     /// Tells how far the run has come, and stops it where it takes too long or is asked to.
@@ -376,7 +382,7 @@ impl Simulation<'_> {
     /// Takes the output at an instant on which a step has landed.
     fn arrive(&mut self, instant: f64) -> Result<(), Stop> {
         self.method.publish(&mut self.particles);
-        self.guard.look(&self.particles, &self.clock, &self.bound)?;
+        self.watch()?;
         if self.pending.next_if(|time| *time <= instant).is_some() {
             let seen = Stopwatch::start(self.options.threads);
             self.observe(instant, Moment::Output { landed: true }, None);

@@ -283,7 +283,8 @@ fn try_out(
     let times_of = |count: fn(&Work) -> u64| work.as_ref().map(count);
     method.publish(&mut particles);
     cost.guard = {
-        let look = &mut || failed |= guard.look(&particles, &clock, &bound).is_err();
+        let team = method.balance().and_then(|balance| balance.team());
+        let look = &mut || failed |= guard.look(team, &particles, &clock, &bound).is_err();
         timed(BESIDES, times_of(|work| work.guards), now, look).each
     };
     if failed {

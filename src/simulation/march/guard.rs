@@ -2,10 +2,12 @@
 
 use frazil_core::boundary::pipe::Sink;
 use frazil_core::particles::Particles;
+use frazil_core::parts::extremes;
 use frazil_core::physics::retention::scale::{DRY, head};
 use frazil_core::saved::{Pass, Saved};
 use frazil_core::side_by_side::MinMax;
 use frazil_core::solvers::step::{Bound, Clock};
+use frazil_core::team::Team;
 use frazil_record::plain;
 use frazil_scene::Scene;
 use glam::DVec2;
@@ -78,6 +80,8 @@ pub struct Guard {
     seen: (f64, f64),
     /// Particles inside the sinks of pipes, which stand for the pipe and not for ground.
     inside_pipes: Vec<u32>,
+    /// Extremes of parts of the particles.
+    found: Vec<MinMax>,
 }
 
 impl Saved for Guard {
@@ -98,16 +102,22 @@ impl Guard {
         inside_pipes.dedup();
         let range = scene.temperature_range();
         let seen = (f64::INFINITY, f64::NEG_INFINITY);
-        Guard { range, of_water: scene.of_water, open: scene.has_flux(), seen, inside_pipes }
+        Guard { range, of_water: scene.of_water, open: scene.has_flux(), seen, inside_pipes, found: Vec::new() }
     }
 
-    /// Takes note of the extremes, and refuses what cannot be.
+    /// Takes note of the extremes, which threads find side by side if there are more than one, and refuses what cannot be.
     ///
     /// # Errors
     /// A particle that is no number, or far from all data.
-    pub fn look(&mut self, particles: &Particles, clock: &Clock, bound: &Bound) -> Result<(), Absurd> {
+    pub fn look(
+        &mut self,
+        team: Option<&Team>,
+        particles: &Particles,
+        clock: &Clock,
+        bound: &Bound,
+    ) -> Result<(), Absurd> {
         let enthalpy = &particles.enthalpy;
-        let outside = MinMax::without(enthalpy, (0, &self.inside_pipes));
+        let outside = extremes(team, enthalpy, &self.inside_pipes, &mut self.found);
         if !outside.are_finite || !self.inside_pipes.iter().all(|i| enthalpy[*i as usize].is_finite()) {
             let first = enthalpy.iter().position(|enthalpy| !enthalpy.is_finite()).unwrap_or_default();
             return Err(Absurd::new(particles, first, clock, bound, Fault::NotFinite));

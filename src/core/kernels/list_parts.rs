@@ -20,7 +20,7 @@ use crate::saved::{Pass, Saved};
 use crate::solvers::step::Bound;
 use crate::space::domain::Surface;
 use crate::space::volumes::Volumes;
-use crate::team::Team;
+use crate::team::{Team, share};
 
 /// Everything a list operator is made from.
 #[derive(Clone)]
@@ -89,10 +89,7 @@ impl ListParts {
     #[inline(always)]
     pub(super) fn in_tasks_of<R: Send>(&self, length: usize, rows: &mut [R], fill: impl Fn(usize, &mut [R]) + Sync) {
         let task = |(number, rows): (usize, &mut [R])| fill(number * length, rows);
-        match &self.team {
-            Some(team) if rows.len() > MANY => team.share(rows.chunks_mut(length).enumerate(), task),
-            _ => rows.chunks_mut(length).enumerate().for_each(task),
-        }
+        share(self.team.as_ref().filter(|_| rows.len() > MANY), rows.chunks_mut(length).enumerate(), task);
     }
 
     /// Threads that share the particles.
@@ -118,10 +115,7 @@ impl ListParts {
                 task = more;
             }
         };
-        match &self.team {
-            Some(team) if count > MANY => team.share(tasks.into_iter(), one),
-            _ => tasks.into_iter().for_each(one),
-        }
+        share(self.team.as_ref().filter(|_| count > MANY), tasks.into_iter(), one);
     }
 
     /// Keeps some of the entries of the list, all of those among them whose weights change.

@@ -12,7 +12,7 @@ use crate::kernels::list_parts::ListParts;
 use crate::kernels::term::PairTerm;
 use crate::memory::{HeapSize, total};
 use crate::physics::latent_heat::Fields;
-use crate::team::Team;
+use crate::team::{Team, share};
 
 /// Fewest pairs of a run: shorter ones stay on the list.
 const FEWEST: usize = 8;
@@ -98,12 +98,8 @@ impl Runs {
         let task = |(number, (band, rates)): (usize, (&Vec<Piece>, &mut [f64]))| {
             meet(band, exchange, term, fields, (number * BAND, rates));
         };
-        match team {
-            Some(team) if self.bands.len() > 1 => {
-                team.share(self.bands.iter().zip(rate.chunks_mut(BAND)).enumerate(), task);
-            }
-            _ => self.bands.iter().zip(rate.chunks_mut(BAND)).enumerate().for_each(task),
-        }
+        let team = team.filter(|_| self.bands.len() > 1);
+        share(team, self.bands.iter().zip(rate.chunks_mut(BAND)).enumerate(), task);
     }
 }
 

@@ -13,7 +13,7 @@ use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 use rand_distr::StandardNormal;
 
-use crate::team::Team;
+use crate::team::{Team, share};
 
 /// Places that are looked at together.
 const TASK: usize = 256;
@@ -91,10 +91,7 @@ impl RandomField {
         let fill = |(places, factors): (&[DVec2], &mut [f64])| {
             factors.iter_mut().zip(places).for_each(|(factor, place)| *factor = self.at(*place));
         };
-        match team {
-            Some(team) => team.share(tasks, fill),
-            None => tasks.for_each(fill),
-        }
+        share(team, tasks, fill);
         factors.into()
     }
 }

@@ -4,7 +4,7 @@ use std::sync::atomic::AtomicBool;
 use std::sync::atomic::Ordering::Relaxed;
 
 use crate::balances::groundwater::diagonals;
-use crate::team::Team;
+use crate::team::{self, Team};
 
 /// Particles that one task handles; fixed, so that results do not depend on the number of threads.
 pub(super) const TASK: usize = 2048;
@@ -68,10 +68,7 @@ pub(super) fn share<P: Send>(
     parts: impl Iterator<Item = P> + Send,
     one: impl Fn(P) + Sync,
 ) {
-    match team {
-        Some(team) if count > MANY => team.share(parts, one),
-        _ => parts.for_each(one),
-    }
+    team::share(team.filter(|_| count > MANY), parts, one);
 }
 
 /// Does something to each row, in tasks of fixed size.

@@ -5,7 +5,7 @@ use std::ops::Range;
 use crate::balances::groundwater::diagonals::LANES;
 use crate::balances::groundwater::network::Network;
 use crate::memory::HeapSize;
-use crate::team::Team;
+use crate::team::{Team, share};
 
 /// Particles of a band, at least; fixed, so that a pressure does not depend on the number of threads.
 const PARTICLES: usize = 8192;
@@ -143,10 +143,7 @@ impl Bands {
 
     /// Does parts of a work side by side, if there are several bands.
     pub(super) fn each<P: Send>(&self, parts: impl Iterator<Item = P> + Send, one: impl Fn(P) + Sync) {
-        match &self.team {
-            Some(team) if self.bands.len() > 1 => team.share(parts, one),
-            _ => parts.for_each(one),
-        }
+        share(self.team().filter(|_| self.bands.len() > 1), parts, one);
     }
 
     /// Fills a column of what is not cut by bands in as many parts, by the number of the first of each.

@@ -1,6 +1,6 @@
 //! Passes over columns of all particles, in parts that threads share.
 
-use crate::side_by_side::MinMax;
+use crate::side_by_side::{self, MinMax};
 use crate::team::{Team, share};
 
 /// Particles of a part; fixed, so that sums do not depend on the number of threads. Five columns of as many stay in the second cache of
@@ -19,4 +19,36 @@ pub fn extremes(team: Option<&Team>, values: &[f64], places: &[u32], found: &mut
         *found = MinMax::without(part, (number * PART, places));
     });
     found.iter().fold(MinMax::NONE, |all, part| all.and(part))
+}
+
+/// Fills two columns with a state and with the same a step (s) later, at some rates.
+pub fn first_stage(team: Option<&Team>, state: &[f64], rates: &[f64], step: f64, [same, later]: [&mut [f64]; 2]) {
+    let parts = same.chunks_mut(PART).zip(later.chunks_mut(PART)).enumerate();
+    in_parts(team, state.len(), parts, |(number, (same, later))| {
+        let part = number * PART..number * PART + same.len();
+        side_by_side::first_stage(&state[part.clone()], &rates[part], step, [same, later]);
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn threads_find_the_same() {
+        let count = 3 * PART + 7;
+        let column = |factor: f64| -> Vec<f64> { (0..count).map(|i| (factor * i as f64).sin()).collect() };
+        let (state, rates, team) = (column(0.3), column(0.7), Team::new(3).expect("threads"));
+        let both = [None, team.as_ref()].map(|team| {
+            let [mut same, mut later] = [vec![0.0; count], vec![0.0; count]];
+            first_stage(team, &state, &rates, 0.3, [&mut same, &mut later]);
+            (same, later, extremes(team, &state, &[0, PART as u32], &mut Vec::new()))
+        });
+        assert_eq!(both[0], both[1]);
+        assert_eq!(both[0].0, state);
+        let places = [0, PART as u32];
+        assert_eq!(both[0].2, MinMax::without(&state, (0, &places)));
+        let plain = state.iter().zip(&rates).map(|(state, rate)| state + 0.3 * rate);
+        assert!(both[0].1.iter().copied().eq(plain));
+    }
 }

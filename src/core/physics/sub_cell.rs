@@ -130,10 +130,11 @@ impl SubCellFront {
         let surroundings = Surroundings { reach, mirrors: extent.mirrors, repeats: extent.repeats };
         let pairs = Pairs::new(stencil, &surroundings, &extent);
         let numbers = (pairs.ends.len(), pairs.spans.len());
-        let window = Window::new(&surroundings, numbers);
-        let room = || Changes::with_room(2 * window.changes.len() * (lattice.columns + lattice.rows));
-        let in_plane = || Acting { window: Window::new(&surroundings, numbers), changes: room() };
-        let several = (lattice.dimension > 1).then(in_plane).into_iter().collect();
+        let (is_plane, window) = (lattice.dimension > 1, Window::new(&surroundings, numbers));
+        // In a plane, one front at a time is for the linearisation alone, which has no list of changes.
+        let along = 2 * window.changes.len() * (lattice.columns + lattice.rows);
+        let several = is_plane
+            .then(|| Acting { window: Window::new(&surroundings, numbers), changes: Changes::with_room(along) });
         SubCellFront {
             phases: Phases::new(lattice.len()),
             faces: Faces::new(lattice, &extent),
@@ -143,8 +144,8 @@ impl SubCellFront {
             surroundings,
             freezing: Vec::new(),
             found: Found::default(),
-            several,
-            one: Acting { changes: room(), window },
+            several: several.into_iter().collect(),
+            one: Acting { changes: Changes::with_room(if is_plane { 0 } else { along }), window },
             tangent: FrontTangent::default(),
         }
     }

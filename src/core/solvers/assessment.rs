@@ -1,7 +1,7 @@
 //! What a step by error is judged by, in one pass over its columns.
 
 use crate::parts::{PART, in_parts};
-use crate::side_by_side::{StepColumns, distance, error_and_size, error_of_one, first_stage};
+use crate::side_by_side::{StepColumns, distance, error_and_size, error_of_one};
 use crate::solvers::control::EnthalpyRange;
 use crate::space::volumes::Volumes;
 use crate::team::Team;
@@ -71,16 +71,6 @@ impl MadeStep<'_> {
     }
 }
 
-/// Fills two columns with a state and with the same a step (s) later, at some rates.
-pub fn begin_stages(team: Option<&Team>, state: &[f64], rates: &[f64], step: f64, [same, later]: [&mut [f64]; 2]) {
-    let parts = same.chunks_mut(PART).zip(later.chunks_mut(PART)).enumerate();
-    in_parts(team, state.len(), parts, |(number, (same, later))| {
-        let from = number * PART;
-        let part = from..from + same.len();
-        first_stage(&state[part.clone()], &rates[part], step, [same, later]);
-    });
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -104,10 +94,5 @@ mod tests {
             let plain: f64 = errors.sum();
             assert!((found.error - plain).abs() <= count as f64 * f64::EPSILON * plain);
         }
-        let mut stages = [const { Vec::new() }; 4].map(|_: Vec<f64>| vec![0.0; count]);
-        let [same, later, same_alone, later_alone] = &mut stages;
-        begin_stages(team.as_ref(), &columns[0], &columns[1], 0.3, [same, later]);
-        begin_stages(None, &columns[0], &columns[1], 0.3, [same_alone, later_alone]);
-        assert!(stages[0] == stages[2] && stages[1] == stages[3] && stages[0] == columns[0]);
     }
 }

@@ -5,8 +5,9 @@ use frazil_record::Work;
 use crate::ledger::{Hermite, Ledger};
 use crate::memory::HeapSize;
 use crate::particles::Particles;
+use crate::parts::first_stage;
 use crate::saved::{Pass, Saved};
-use crate::solvers::assessment::{Assessment, MadeStep, begin_stages, room};
+use crate::solvers::assessment::{Assessment, MadeStep, room};
 use crate::solvers::balance::{Balance, BalanceFacts, Stage, StageColumns, Update};
 use crate::solvers::control::{Control, EnthalpyRange, Judgement};
 use crate::solvers::sharp::just_before;
@@ -208,7 +209,7 @@ impl Rkl2 {
         Coefficients::reach(&mut self.coefficients, stages);
         let by_first = FIRST * w1 * step;
         let columns = [&mut self.older[..], &mut self.old[..]];
-        begin_stages(self.balance.team(), start, &self.first_rate, by_first, columns);
+        first_stage(self.balance.team(), start, &self.first_rate, by_first, columns);
         let patches = &mut self.patches;
         patches.older.fill(0.0);
         for (old, rate) in patches.old.iter_mut().zip(&patches.first) {

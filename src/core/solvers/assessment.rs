@@ -1,8 +1,8 @@
 //! What a step by error is judged by, in one pass over its columns.
 
 use crate::parts::{PART, in_parts};
-use crate::side_by_side::{StepColumns, distance, error_and_size, error_of_one};
-use crate::solvers::control::EnthalpyRange;
+use crate::side_by_side::{StepColumns, error_and_size, error_of_one};
+use crate::solvers::control::{EnthalpyRange, taken_up};
 use crate::space::volumes::Volumes;
 use crate::team::Team;
 
@@ -66,7 +66,7 @@ impl MadeStep<'_> {
             }
             sums
         };
-        let size = if self.started.is_empty() { by_state } else { distance(end, &self.started[first..until]) };
+        let size = taken_up(end, self.started.get(first..until).unwrap_or_default(), by_state);
         Assessment { error, size, excess: self.range.map_or(0.0, |range| range.excess_from(first, end)) }
     }
 }

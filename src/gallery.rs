@@ -108,11 +108,12 @@ fn telling(folder: &Path, record: Option<&Record>) -> Option<(String, String)> {
 fn words(record: &Record) -> String {
     let method = method_title(&record.method);
     let time = clock(record.setup_wall_s + record.solve_wall_s);
-    let error = errors(&record.errors, record.water.as_ref());
-    let error = error.first().map_or(String::new(), |(title, value)| format!("; {title} {value}"));
+    let errors = errors(&record.errors, record.water.as_ref());
+    let errors: Vec<String> = errors.iter().map(|(title, value)| format!("{title} {value}")).collect();
+    let errors = if errors.is_empty() { String::new() } else { format!("; {}", errors.join(", ")) };
     let outcome =
         if record.outcome == Outcome::Ok { String::new() } else { format!("; outcome {}", record.outcome.name()) };
-    format!("{method}, {} particles, {} steps, {time}{error}{outcome}", record.particles, record.steps)
+    format!("{method}, {} particles, {} steps, {time}{errors}{outcome}", record.particles, record.steps)
 }
 
 fn write(request: &ManyRuns, folder: &Path, shown: &[Shown]) -> Result<(), Failure> {

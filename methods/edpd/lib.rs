@@ -21,7 +21,7 @@ use frazil_core::kernels::term::Off;
 use frazil_core::solvers::assembly::Assembly;
 use frazil_core::solvers::moving::Purpose;
 use frazil_core::solvers::solver::Solver;
-use frazil_record::Value;
+use frazil_record::{Value, plain};
 use frazil_scene::method::MethodSettings;
 use frazil_scene::method::{Discretisation, MethodKind, SceneFacts, Stepper};
 use frazil_scene::{Numerics, Range, Scene, Section, Setting, Units};
@@ -125,8 +125,8 @@ fn read(section: &mut Section<'_>, setting: Setting, numerics: &Numerics, facts:
     ];
     if noise {
         differences.push(format!(
-            "thermal noise: the temperature of one particle fluctuates by {:.3} % of its absolute value",
-            100.0 / capacity.sqrt()
+            "thermal noise: the temperature of one particle fluctuates by {} % of its absolute value",
+            plain(100.0 / capacity.sqrt(), 3)
         ));
     }
     let constants = if paper { "continuum" } else { "discrete-moment" };
@@ -168,8 +168,8 @@ fn with_motion(
         normalisation: Normalisation::Nominal,
         knobs,
         differences: vec![format!(
-            "particles move: the temperature of one fluctuates by {:.2} % of its absolute value",
-            100.0 / capacity.sqrt()
+            "particles move: the temperature of one fluctuates by {} % of its absolute value",
+            plain(100.0 / capacity.sqrt(), 3)
         )],
         fluctuation: 1.0 / capacity.sqrt(),
         stepper: Stepper::Moving(Arc::new(build)),

@@ -7,6 +7,7 @@ use frazil_core::physics::latent_heat::{LatentHeatScheme, Materials, Mushy};
 use frazil_core::physics::material::Material;
 use frazil_core::physics::potential::Law;
 use frazil_core::physics::thermal::Thermal;
+use frazil_record::plain;
 use frazil_scene::method::{Discretisation, Stepper};
 use frazil_scene::{Front, Numerics, Scene, StepChoice, Units};
 
@@ -186,10 +187,10 @@ pub fn noise(scene: &Scene, materials: &Materials, relative: f64) -> Vec<String>
     let of = |(material, law): (&Material, &Thermal)| {
         let deviation = own * fluctuation(law);
         let part = match high > low {
-            true => format!(", {:.2} % of the range of the data", 100.0 * deviation / (high - low)),
+            true => format!(", {} % of the range of the data", plain(100.0 * deviation / (high - low), 3)),
             false => String::new(),
         };
-        format!("thermal noise of {}: up to {deviation:.3}{degree} in one particle{part}", material.name)
+        format!("thermal noise of {}: up to {}{degree} in one particle{part}", material.name, plain(deviation, 3))
     };
     scene.materials.iter().zip(materials.thermals.iter()).map(of).collect()
 }

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 
 use frazil_core::space::domain::Domain;
 use frazil_core::space::symmetry::Symmetry;
-use frazil_plots::style::{length, number};
+use frazil_plots::style::{length, number, percent};
 use frazil_record::{Errors, EstimatedError, GapRow, MeasuredErrors, RunResult, WallRecord};
 use frazil_record::{WaterRecord, WaterRow};
 use frazil_scene::{Scene, Units};
@@ -90,7 +90,7 @@ pub fn errors(errors: &Errors, water: Option<&WaterRecord>) -> Vec<Line> {
     let all = by_name(errors);
     let own = HEADLINES.into_iter().filter_map(|(title, name)| Some((title, *all.get(name)?)));
     let of_water = OF_WATER.into_iter().filter_map(|(title, name)| Some((title, *water?.errors.get(name)?)));
-    own.chain(of_water).map(|(title, error)| (format!("{title} error"), format!("{:.3} %", 100.0 * error))).collect()
+    own.chain(of_water).map(|(title, error)| (format!("{title} error"), percent(error, 3))).collect()
 }
 
 /// What a quantity of measured points is called, and how its values are said.
@@ -125,10 +125,9 @@ pub fn measured(scene: &Scene, measured: &BTreeMap<String, MeasuredErrors>) -> V
 
 /// The error that was estimated of a run, and its parts as far as they were measured.
 pub fn estimated(estimated: &EstimatedError) -> String {
-    let percent = |error: f64| format!("{:.3} %", 100.0 * error);
     let parts = [("steps", estimated.time_rel), ("front", estimated.front_rel), ("noise", estimated.noise_rel)];
-    let measured = parts.into_iter().filter_map(|(part, error)| Some(format!(", {part} {}", percent(error?))));
-    let (promised, space) = (percent(estimated.promised_rel), percent(estimated.space_rel));
+    let measured = parts.into_iter().filter_map(|(part, error)| Some(format!(", {part} {}", percent(error?, 3))));
+    let (promised, space) = (percent(estimated.promised_rel, 3), percent(estimated.space_rel, 3));
     format!("{} at most {promised}: spacing {space}{}", estimated.measure, measured.collect::<String>())
 }
 
@@ -260,7 +259,7 @@ impl Say<'_> {
             line("thaw", format!("the last ice after {}", self.time(*thawed)));
         }
         let share = if last.ice_fraction > 0.0 {
-            format!(", {} % of that at the start", number(100.0 * last.ice_fraction, 4))
+            format!(", {} of that at the start", percent(last.ice_fraction, 4))
         } else {
             String::new()
         };
@@ -318,10 +317,11 @@ mod tests {
 
     #[test]
     fn errors_are_called_errors_those_of_water_too() {
-        let found = Errors { front_rms_rel: Some(0.00672), ..Errors::default() };
+        let found = Errors { front_rms_rel: Some(0.00672), temperature_rms_rel: Some(5.1e-6), ..Errors::default() };
         let water = WaterRecord { errors: [("thawed".to_owned(), -0.01)].into(), ..WaterRecord::default() };
         let lines = errors(&found, Some(&water));
-        assert_eq!(lines, [("front error".to_owned(), "0.672 %".to_owned()), ("thaw error".into(), "-1.000 %".into())]);
+        let said = [("front error", "0.672 %"), ("temperature error", "0.00051 %"), ("thaw error", "−1 %")];
+        assert_eq!(lines, said.map(|(title, error)| (title.to_owned(), error.to_owned())));
         assert!(text(&lines).lines().all(|line| line.starts_with("  ") && line.contains(" error ")));
     }
 

@@ -260,14 +260,15 @@ impl Study {
         }
         for (title, name) in answers::HEADLINES {
             let Some(found) = record.errors.get(name) else { continue };
-            let half = found.interval.map_or(String::new(), |[low, high]| format!(" +- {:.3}", 50.0 * (high - low)));
-            let mut words = format!("{:.3}{half} % of one member", 100.0 * found.mean);
+            let half =
+                found.interval.map_or(String::new(), |[low, high]| format!(" +- {}", number(50.0 * (high - low), 3)));
+            let mut words = format!("{}{half} % of one member", number(100.0 * found.mean, 3));
             if let Some(error) = found.of_mean {
-                words.push_str(&format!(", {:.3} % of their mean", 100.0 * error));
+                words.push_str(&format!(", {} of their mean", percent(error, 3)));
             }
             if let Some(split) = record.curves.get(title) {
                 words.push_str(&match split.bias {
-                    Some(bias) => format!(", {:.3} % of the mean of infinitely many", 100.0 * bias),
+                    Some(bias) => format!(", {} of the mean of infinitely many", percent(bias, 3)),
                     None => ", bias not resolved".into(),
                 });
             }

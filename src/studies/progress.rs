@@ -150,6 +150,7 @@ const YEAR: f64 = 365.25 * 86_400.0;
 pub fn clock(seconds: f64) -> String {
     match seconds {
         s if s < 0.01 => format!("{:.2} ms", 1e3 * s),
+        s if s < 0.1 => format!("{:.1} ms", 1e3 * s),
         s if s < 10.0 => format!("{s:.2} s"),
         s if s < 120.0 => format!("{s:.0} s"),
         s if s < 7200.0 => format!("{:.0} min", s / 60.0),
@@ -163,6 +164,12 @@ pub fn clock(seconds: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn short_times_keep_their_digits() {
+        let said = [0.004_25, 0.0412, 0.123, 9.5, 35.2].map(clock);
+        assert_eq!(said, ["4.25 ms", "41.2 ms", "0.12 s", "9.50 s", "35 s"]);
+    }
 
     #[test]
     fn the_time_left_follows_from_the_time_gone() {

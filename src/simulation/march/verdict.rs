@@ -57,12 +57,12 @@ pub(super) fn judge(
     }
     if let Some(violation) = violation.filter(|violation| *violation > RANGE_TOLERANCE + noise) {
         let what = if of_water { "pressure heads, on a logarithmic scale," } else { "temperatures" };
-        let mut cause = format!("{what} left the range of the data by {:.2} % of it", 100.0 * violation);
+        let mut cause = format!("{what} left the range of the data by {} % of it", plain(100.0 * violation, 3));
         if noise > 0.0 {
             cause.push_str(&format!(
-                ": noise may do so by {:.2} %, eight standard deviations of one particle or half of the range; a larger \
+                ": noise may do so by {} %, eight standard deviations of one particle or half of the range; a larger \
                  heat capacity of particles makes less noise",
-                100.0 * noise
+                plain(100.0 * noise, 3)
             ));
         }
         return (Outcome::Oscillating, Some(cause));
@@ -70,8 +70,8 @@ pub(super) fn judge(
     // Noise may push a front or a flow back for a moment.
     if let Some(setback) = setback.filter(|setback| *setback > SETBACK_TOLERANCE && noise == 0.0) {
         let cause = format!(
-            "the front, or the heat through the coldest or warmest pipes, decreased by {:.2} %",
-            100.0 * setback
+            "the front, or the heat through the coldest or warmest pipes, decreased by {} %",
+            plain(100.0 * setback, 3)
         );
         return (Outcome::Oscillating, Some(cause));
     }
@@ -89,7 +89,7 @@ mod tests {
         };
         assert_eq!(cause(false, 0.01, None), "the heat balance is off by 0.01 of the heat exchanged");
         assert_eq!(cause(true, 0.01, None), "the water balance is off by 0.01 of the water exchanged");
-        let left = "left the range of the data by 20.00 % of it";
+        let left = "left the range of the data by 20 % of it";
         assert_eq!(cause(false, 0.0, Some(0.2)), format!("temperatures {left}"));
         assert_eq!(cause(true, 0.0, Some(0.2)), format!("pressure heads, on a logarithmic scale, {left}"));
     }

@@ -4,6 +4,7 @@ use std::iter;
 use std::sync::Arc;
 
 use frazil_core::statistics::median;
+use frazil_plots::style::percent;
 use frazil_record::{Outcome, RunResult};
 use frazil_scene::method::MethodKind;
 use frazil_scene::{Scene, spacing_at_most};
@@ -73,7 +74,7 @@ pub struct Rung {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Short {
     /// It would take too long.
-    #[error("a run at {spacing} takes about {}, more than the budget of {}; promised so far: {:.2} %", clock(*forecast_s), clock(*budget_s), 100.0 * promised)]
+    #[error("a run at {spacing} takes about {}, more than the budget of {}; promised so far: {}", clock(*forecast_s), clock(*budget_s), percent(*promised, 3))]
     TooLong {
         /// Spacing of the run, in words.
         spacing: String,
@@ -85,7 +86,7 @@ pub enum Short {
         promised: f64,
     },
     /// Noise alone is greater.
-    #[error("the noise of one run alone is {:.2} %; the mean of {seeds} seeds would be sufficient", 100.0 * noise)]
+    #[error("the noise of one run alone is {}; the mean of {seeds} seeds would be sufficient", percent(*noise, 3))]
     Noise {
         /// What a promise has of it.
         noise: f64,
@@ -93,7 +94,7 @@ pub enum Short {
         seeds: u64,
     },
     /// Steps that do not follow the spacing alone are worse.
-    #[error("the error of its time steps alone is {:.2} %, independent of the spacing: set a smaller {key}", 100.0 * steps)]
+    #[error("the error of its time steps alone is {}, independent of the spacing: set a smaller {key}", percent(*steps, 3))]
     Steps {
         /// Their error.
         steps: f64,
@@ -101,7 +102,7 @@ pub enum Short {
         key: &'static str,
     },
     /// Ever finer runs do not come nearer to each other.
-    #[error("the differences between runs do not decrease; promised so far: {:.2} %", 100.0 * promised)]
+    #[error("the differences between runs do not decrease; promised so far: {}", percent(*promised, 3))]
     Stalled {
         /// The best promise.
         promised: f64,

@@ -11,7 +11,7 @@ mod tables;
 use std::path::Path;
 use std::sync::Arc;
 
-use frazil_plots::style::{duration, number};
+use frazil_plots::style::{duration, number, percent};
 use frazil_record::{Outcome, RunResult, Value};
 use frazil_scene::Scene;
 use frazil_scene::method::MethodKind;
@@ -392,7 +392,10 @@ impl Work<'_> {
             let was_made = self.make(run, limit);
             let took = self.clock.elapsed() - begin;
             lines[line].turns[level] = if was_made { Turn::Made(took) } else { Turn::Refused };
-            let signed = |measure: Measure| Some(format!("{} {:+.3} %", measure.name(), 100.0 * measure.signed(run)?));
+            let signed = |measure: Measure| {
+                let error = measure.signed(run)?;
+                Some(format!("{} {}{}", measure.name(), if error > 0.0 { "+" } else { "" }, percent(error, 3)))
+            };
             let words: Vec<String> = Measure::ALL.into_iter().filter_map(signed).chain(run.note.clone()).collect();
             (self.say)(&format!(
                 "[{count}/{}] {}: {}",

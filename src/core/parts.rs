@@ -31,16 +31,20 @@ pub fn first_stage(team: Option<&Team>, state: &[f64], rates: &[f64], step: f64,
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
+
+    /// Columns of three parts and some, which wave at some rates, and threads to share them.
+    pub fn columns_and_team<const COLUMNS: usize>(rates: [f64; COLUMNS]) -> ([Vec<f64>; COLUMNS], Option<Team>) {
+        let column = |rate: f64| (0..3 * PART + 7).map(|i| (rate * i as f64).sin()).collect();
+        (rates.map(column), Team::new(3).expect("threads"))
+    }
 
     #[test]
     fn threads_find_the_same() {
-        let count = 3 * PART + 7;
-        let column = |factor: f64| -> Vec<f64> { (0..count).map(|i| (factor * i as f64).sin()).collect() };
-        let (state, rates, team) = (column(0.3), column(0.7), Team::new(3).expect("threads"));
+        let ([state, rates], team) = columns_and_team([0.3, 0.7]);
         let both = [None, team.as_ref()].map(|team| {
-            let [mut same, mut later] = [vec![0.0; count], vec![0.0; count]];
+            let [mut same, mut later] = [vec![0.0; state.len()], vec![0.0; state.len()]];
             first_stage(team, &state, &rates, 0.3, [&mut same, &mut later]);
             (same, later, extremes(team, &state, &[0, PART as u32], &mut Vec::new()))
         });

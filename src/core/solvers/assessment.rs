@@ -74,14 +74,13 @@ impl MadeStep<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::parts::tests::columns_and_team;
 
     #[test]
     fn threads_find_the_same() {
-        let count = 3 * PART + 7;
-        let column = |factor: f64| -> Vec<f64> { (0..count).map(|i| (factor * i as f64).sin()).collect() };
-        let columns = [0.3, 0.7, 1.1, 1.3].map(column);
+        let (columns, team) = columns_and_team([0.3, 0.7, 1.1, 1.3]);
+        let count = columns[0].len();
         let shells = Volumes::by_share(1.0, (1..100).map(f64::from).collect());
-        let team = Team::new(3).expect("threads");
         for (started, volumes) in [(&[][..], &Volumes::even(1.0)), (&columns[2], &shells)] {
             let [start, end, first, last] = columns.each_ref().map(|column| &column[..]);
             let made = MadeStep { columns: [start, end, first, last], step: 0.2, started, volumes, range: None };

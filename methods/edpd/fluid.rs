@@ -10,6 +10,7 @@
 mod apart;
 mod coefficients;
 mod error;
+mod lanes;
 pub mod matter;
 mod meeting;
 pub mod pairs;

@@ -19,7 +19,7 @@ use super::matter::Matter;
 use super::meeting::{PartnerRow, four_mut, rows_meet};
 use super::particle::{Look, Particle};
 use super::quad::Quad;
-use super::scan::{self, Kind, MOST, Notes, Stretch, TOGETHER};
+use super::scan::{self, Kind, MOST, Notes, Stretch, TOGETHER, near};
 use super::sorting::{CellGrid, PartnerRange, RANGES};
 use super::walls::Walls;
 
@@ -157,7 +157,13 @@ impl<const D: usize, M: Matter> Work for Acting<'_, D, M> {
                                 put_all::<D, M, S>(frame, desk, few.clone(), &side, own, next);
                             }
                             let to = range.end.min(from + MOST);
-                            S::near(&frame.places, &places, Stretch { from, to, steps }, frame.reach, &mut desk.notes);
+                            near::<S::Lanes, D>(
+                                &frame.places,
+                                &places,
+                                Stretch { from, to, steps },
+                                frame.reach,
+                                &mut desk.notes,
+                            );
                             (from, steps) = (to, 0);
                         }
                     }

@@ -1,13 +1,16 @@
-//! Which of some places, one after the other in memory, are near each of a few others: sixteen at once, in single precision.
+//! Which of some places, one after the other in memory, are near each of a few others: up to sixteen at once, in single precision.
 //!
 //! Places are told apart up to an error that grows with the box, by which the reach is taken larger ([`widened`]): no pair
 //! within reach is missed, and the few that are farther apart act with a weight of zero.
 
+use super::lanes::Lanes;
+#[cfg(target_arch = "x86_64")]
+use super::lanes::{Eight, Sixteen};
 use super::quad::Quad;
 #[cfg(target_arch = "x86_64")]
 use super::quad::Wide;
 
-/// Places that are looked at at once.
+/// Places that are looked at at once, at most.
 pub const LANES: usize = 16;
 
 /// Places that are looked through at a time.
@@ -56,38 +59,9 @@ pub fn widened(reach: f64, longest: f64) -> f32 {
 pub trait Kind {
     /// Four numbers at once.
     type Quad: Quad;
-
-    /// Notes which of the places of a stretch are nearer to each of some places than the root of `square`; none, where the first
-    /// number of such a place is none. Columns must be [`LANES`] longer than what is looked through, and there must be room for all.
-    fn near<const D: usize>(
-        columns: &[&[f32]; D],
-        places: &[[f32; D]; TOGETHER],
-        stretch: Stretch,
-        square: f32,
-        notes: &mut Notes,
-    );
+    /// Several places at once.
+    type Lanes: Lanes;
 }
-
-/// Places that are told apart at once where there is no instruction that packs the near ones together.
-const GROUP: usize = 8;
-
-/// For each set of near places in a group, which they are, the first ones first.
-const PACKED: [[u8; GROUP]; 1 << GROUP] = {
-    let mut packed = [[0; GROUP]; 1 << GROUP];
-    let mut set = 0;
-    while set < packed.len() {
-        let (mut lane, mut count) = (0, 0);
-        while lane < GROUP {
-            if set >> lane & 1 == 1 {
-                packed[set][count] = lane as u8;
-                count += 1;
-            }
-            lane += 1;
-        }
-        set += 1;
-    }
-    packed
-};
 
 /// By what all processors have.
 #[derive(Debug)]
@@ -95,48 +69,7 @@ pub struct Portable;
 
 impl Kind for Portable {
     type Quad = [f64; 4];
-
-    #[inline(always)]
-    fn near<const D: usize>(
-        columns: &[&[f32]; D],
-        places: &[[f32; D]; TOGETHER],
-        Stretch { from, to, steps }: Stretch,
-        square: f32,
-        notes: &mut Notes,
-    ) {
-        for (l, place) in places.iter().enumerate().filter(|(_, place)| !place[0].is_nan()) {
-            let from = from + l * steps;
-            let (found, count) = (&mut notes.numbers[l], &mut notes.counts[l]);
-            let whole = to.saturating_sub(from).next_multiple_of(GROUP);
-            let groups: [&[[f32; GROUP]]; D] = columns.map(|column| column[from..from + whole].as_chunks().0);
-            for group in 0..whole / GROUP {
-                let mut squares = [0.0; GROUP];
-                for axis in 0..D {
-                    for lane in 0..GROUP {
-                        let way = place[axis] - groups[axis][group][lane];
-                        squares[lane] += way * way;
-                    }
-                }
-                let at = from + group * GROUP;
-                let near = below(&squares, square) & (0xff >> (at + GROUP).saturating_sub(to));
-                // Whether a place is near cannot be guessed: all of the group are written, and what is beyond the near ones is
-                // written over by the next.
-                let lanes = &PACKED[near];
-                if let Some(noted) = found[*count..].first_chunk_mut::<GROUP>() {
-                    for lane in 0..GROUP {
-                        noted[lane] = at as u32 + u32::from(lanes[lane]);
-                    }
-                }
-                *count += near.count_ones() as usize;
-            }
-        }
-    }
-}
-
-/// Which of the squares are below another, as bits.
-#[inline(always)]
-fn below(squares: &[f32; GROUP], square: f32) -> usize {
-    (0..GROUP).fold(0, |set, lane| set | usize::from(squares[lane] < square) << lane)
+    type Lanes = [f32; 8];
 }
 
 /// By the instructions of AVX2, which a caller must know to be there.
@@ -147,47 +80,7 @@ pub struct Avx2;
 #[cfg(target_arch = "x86_64")]
 impl Kind for Avx2 {
     type Quad = Wide;
-
-    #[inline(always)]
-    fn near<const D: usize>(
-        columns: &[&[f32]; D],
-        places: &[[f32; D]; TOGETHER],
-        Stretch { from, to, steps }: Stretch,
-        square: f32,
-        notes: &mut Notes,
-    ) {
-        use std::arch::x86_64::{
-            _CMP_LT_OQ, _mm_loadl_epi64, _mm256_add_epi32, _mm256_add_ps, _mm256_cmp_ps, _mm256_cvtepu8_epi32,
-            _mm256_loadu_ps, _mm256_movemask_ps, _mm256_mul_ps, _mm256_set1_epi32, _mm256_set1_ps, _mm256_setzero_ps,
-            _mm256_storeu_si256, _mm256_sub_ps,
-        };
-        assert!(is_roomy(columns, &notes.counts, from, to));
-        // SAFETY: the processor has these instructions (see the type). Places are read from `from` up to less than
-        // `to + GROUP`, within the columns; numbers are written up to `count + GROUP`, and `count` stays within `NOTED`.
-        unsafe {
-            let square = _mm256_set1_ps(square);
-            for l in (0..TOGETHER).filter(|l| !places[*l][0].is_nan()) {
-                let place = places[l].map(|along| _mm256_set1_ps(along));
-                let (mut at, mut count) = (from + l * steps, notes.counts[l]);
-                while at < to {
-                    let mut squares = _mm256_setzero_ps();
-                    for axis in 0..D {
-                        let way = _mm256_sub_ps(place[axis], _mm256_loadu_ps(columns[axis].as_ptr().add(at)));
-                        let along = _mm256_mul_ps(way, way);
-                        squares = if axis == 0 { along } else { _mm256_add_ps(squares, along) };
-                    }
-                    let near = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(squares, square)) as usize;
-                    let near = near & (0xff >> (at + GROUP).saturating_sub(to));
-                    let lanes = _mm256_cvtepu8_epi32(_mm_loadl_epi64(PACKED[near].as_ptr().cast()));
-                    let numbers = _mm256_add_epi32(lanes, _mm256_set1_epi32(at as i32));
-                    _mm256_storeu_si256(notes.numbers[l].as_mut_ptr().add(count).cast(), numbers);
-                    count += near.count_ones() as usize;
-                    at += GROUP;
-                }
-                notes.counts[l] = count;
-            }
-        }
-    }
+    type Lanes = Eight;
 }
 
 /// By the instructions of AVX-512, which a caller must know to be there.
@@ -198,72 +91,59 @@ pub struct Avx512;
 #[cfg(target_arch = "x86_64")]
 impl Kind for Avx512 {
     type Quad = Wide;
-
-    #[inline(always)]
-    fn near<const D: usize>(
-        columns: &[&[f32]; D],
-        places: &[[f32; D]; TOGETHER],
-        Stretch { from, to, steps }: Stretch,
-        square: f32,
-        notes: &mut Notes,
-    ) {
-        use std::arch::x86_64::{
-            _CMP_LT_OQ, _mm512_add_epi32, _mm512_add_ps, _mm512_loadu_ps, _mm512_mask_cmp_ps_mask,
-            _mm512_maskz_compress_epi32, _mm512_mul_ps, _mm512_set1_epi32, _mm512_set1_ps, _mm512_setr_epi32,
-            _mm512_setzero_ps, _mm512_storeu_si512, _mm512_sub_ps,
-        };
-        assert!(is_roomy(columns, &notes.counts, from, to));
-        // SAFETY: the processor has these instructions (see the type). Places are read from `from` up to less than
-        // `to + LANES`, within the columns; numbers are written up to `count + LANES`, and `count` stays within `NOTED`.
-        unsafe {
-            let lanes = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-            let mut numbers = _mm512_add_epi32(lanes, _mm512_set1_epi32(from as i32));
-            let square = _mm512_set1_ps(square);
-            let mut wide = [[square; D]; TOGETHER];
-            for l in 0..TOGETHER {
-                for axis in 0..D {
-                    wide[l][axis] = _mm512_set1_ps(places[l][axis]);
-                }
-            }
-            let mut counts = notes.counts;
-            let mut passed = [0; TOGETHER];
-            for l in 0..TOGETHER {
-                passed[l] = u16::MAX << (l * steps);
-            }
-            let mut at = from;
-            while at < to {
-                let inside = ((1u32 << (to - at).min(LANES)) - 1) as u16;
-                let mut column = [square; D];
-                for axis in 0..D {
-                    column[axis] = _mm512_loadu_ps(columns[axis].as_ptr().add(at));
-                }
-                for l in 0..TOGETHER {
-                    let mut squares = _mm512_setzero_ps();
-                    for axis in 0..D {
-                        let way = _mm512_sub_ps(wide[l][axis], column[axis]);
-                        let along = _mm512_mul_ps(way, way);
-                        squares = if axis == 0 { along } else { _mm512_add_ps(squares, along) };
-                    }
-                    let near = _mm512_mask_cmp_ps_mask::<_CMP_LT_OQ>(inside & passed[l], squares, square);
-                    let chosen = _mm512_maskz_compress_epi32(near, numbers);
-                    _mm512_storeu_si512(notes.numbers[l].as_mut_ptr().add(counts[l]).cast(), chosen);
-                    counts[l] += near.count_ones() as usize;
-                }
-                numbers = _mm512_add_epi32(numbers, _mm512_set1_epi32(LANES as i32));
-                at += LANES;
-                passed = [u16::MAX; TOGETHER];
-            }
-            notes.counts = counts;
-        }
-    }
+    type Lanes = Sixteen;
 }
 
-/// Whether columns are long enough for what is looked through, and there is room to note all of it.
-#[cfg(target_arch = "x86_64")]
+/// Notes which of the places of a stretch are nearer to each of some places than the root of `square`; none, where the first
+/// number of such a place is none. Columns must be [`LANES`] longer than what is looked through, and there must be room for all.
 #[inline(always)]
-fn is_roomy<const D: usize>(columns: &[&[f32]; D], counts: &[usize; TOGETHER], from: usize, to: usize) -> bool {
-    columns.iter().all(|column| column.len() >= to + LANES)
-        && counts.iter().all(|count| count + to.saturating_sub(from) <= NOTED)
+pub fn near<L: Lanes, const D: usize>(
+    columns: &[&[f32]; D],
+    places: &[[f32; D]; TOGETHER],
+    Stretch { from, to, steps }: Stretch,
+    square: f32,
+    notes: &mut Notes,
+) {
+    assert!(columns.iter().all(|column| column.len() >= to + LANES));
+    assert!(notes.counts.iter().all(|count| count + to.saturating_sub(from) <= NOTED));
+    let square = L::splat(square);
+    let mut wide = [[square; D]; TOGETHER];
+    for l in 0..TOGETHER {
+        for axis in 0..D {
+            wide[l][axis] = L::splat(places[l][axis]);
+        }
+    }
+    let mut counts = notes.counts;
+    let mut passed = [0; TOGETHER];
+    for l in 0..TOGETHER {
+        passed[l] = u32::MAX << (l * steps);
+    }
+    let (mut at, mut numbers) = (from, L::numbers(from));
+    while at < to {
+        let inside = (1 << (to - at).min(L::COUNT)) - 1;
+        let mut column = [square; D];
+        for axis in 0..D {
+            // SAFETY: `at` is before `to`, and columns are longer by the most that is loaded, as has been asked.
+            column[axis] = unsafe { L::load(columns[axis].as_ptr().add(at)) };
+        }
+        for l in 0..TOGETHER {
+            // What is the second may be loaded for it, where there are too few registers.
+            let mut squares = square;
+            for axis in 0..D {
+                let way = column[axis].minus(wide[l][axis]);
+                let along = way.times(way);
+                squares = if axis == 0 { along } else { squares.plus(along) };
+            }
+            let near = squares.below(square, inside & passed[l]);
+            // SAFETY: no more is noted than is looked through, for which there is room, and after it for the most that is written.
+            unsafe { L::note(near, numbers, notes.numbers[l].as_mut_ptr().add(counts[l])) };
+            counts[l] += near.count_ones() as usize;
+        }
+        numbers = L::after(numbers);
+        at += L::COUNT;
+        passed = [u32::MAX; TOGETHER];
+    }
+    notes.counts = counts;
 }
 
 #[cfg(test)]
@@ -283,7 +163,7 @@ mod tests {
         counts: [usize; TOGETHER],
     ) -> [Vec<u32>; TOGETHER] {
         let mut notes = Notes { counts, ..Notes::default() };
-        S::near(columns, places, stretch, square, &mut notes);
+        near::<S::Lanes, 2>(columns, places, stretch, square, &mut notes);
         std::array::from_fn(|l| notes.numbers[l][counts[l]..notes.counts[l]].to_vec())
     }
 

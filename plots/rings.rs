@@ -16,7 +16,13 @@ pub(crate) fn wall(result: &RunResult, words: &Words) -> Canvas {
     let main = Stroke::whole(colour, 2.4);
     let interface = Stroke { colour, width: 2.4, dash: LONG };
     let reference = reference_stroke();
-    let mut entries = vec![Entry::line("through a pipe", main), Entry::line("between two pipes", interface)];
+    let mut entries = Vec::new();
+    if result.walls.iter().any(|row| row.thickness_main_mean_m.is_some()) {
+        entries.push(Entry::line("through a pipe", main));
+    }
+    if result.walls.iter().any(|row| row.thickness_interface_mean_m.is_some()) {
+        entries.push(Entry::line("between two pipes", interface));
+    }
     let referred = result.walls.iter().any(|row| row.thickness_main_mean_ref_m.is_some());
     if referred || result.walls.iter().any(|row| row.thickness_interface_mean_ref_m.is_some()) {
         entries.push(reference_entry());
@@ -24,8 +30,8 @@ pub(crate) fn wall(result: &RunResult, words: &Words) -> Canvas {
     let x = Axis::linear(words.time_label.as_str(), times(result, words));
     let values = result.walls.iter().flat_map(|row| {
         [
-            Some(row.thickness_main_mean_m),
-            Some(row.thickness_interface_mean_m),
+            row.thickness_main_mean_m,
+            row.thickness_interface_mean_m,
             row.thickness_main_mean_ref_m,
             row.thickness_interface_mean_ref_m,
         ]
@@ -40,8 +46,8 @@ pub(crate) fn wall(result: &RunResult, words: &Words) -> Canvas {
     };
     draw(&|row| row.thickness_main_mean_ref_m, reference);
     draw(&|row| row.thickness_interface_mean_ref_m, Stroke { dash: LONG, ..reference });
-    draw(&|row| Some(row.thickness_main_mean_m), main);
-    draw(&|row| Some(row.thickness_interface_mean_m), interface);
+    draw(&|row| row.thickness_main_mean_m, main);
+    draw(&|row| row.thickness_interface_mean_m, interface);
     canvas
 }
 

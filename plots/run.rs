@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use frazil_record::{CutRow, Field, MeanOver, ProfileRow, RunResult};
+use frazil_record::{CutRow, Field, MeanOver, ProfileRow, RunResult, WallRow};
 
 use crate::PlotError;
 use crate::axes::{Axis, Entry, Frame, align};
@@ -74,7 +74,8 @@ pub fn drawings(result: &RunResult, options: &FigureOptions) -> Vec<(String, Can
         let rows: Vec<ProfileRow> = water.cut.iter().map(|row| cut_row(row, options.cut)).collect();
         add("cut", !rows.is_empty(), &|| profiles(&rows, &words));
     }
-    add("wall", !result.walls.is_empty(), &|| rings::wall(result, &words));
+    let thick = |row: &WallRow| row.thickness_main_mean_m.or(row.thickness_interface_mean_m).is_some();
+    add("wall", result.walls.iter().any(thick), &|| rings::wall(result, &words));
     add("heat", !result.walls.is_empty(), &|| rings::heat(result, &words));
     add("gaps", !result.gaps.is_empty(), &|| rings::gaps(result, &words));
     add("phases", !result.phases.is_empty(), &|| stream::phases(&result.phases, &words));

@@ -78,7 +78,9 @@ fn numbers(result: &RunResult) -> Vec<f64> {
     numbers.extend(result.profiles.iter().flat_map(|row| [row.temperature_c, row.frozen_fraction]));
     numbers.extend(result.probes.iter().map(|row| row.temperature_c));
     numbers.extend(result.budget.iter().flat_map(|row| row.in_j.iter().copied().chain([row.stored_j])));
-    numbers.extend(result.walls.iter().flat_map(|row| [row.thickness_main_mean_m, row.heat_per_pipe_w_per_m]));
+    numbers.extend(
+        result.walls.iter().flat_map(|row| row.thickness_main_mean_m.into_iter().chain([row.heat_per_pipe_w_per_m])),
+    );
     numbers
 }
 

@@ -9,7 +9,7 @@ use frazil_simulation::march::{self, Options};
 use frazil_simulation::reduce::{self, Finding, Reduction};
 use rand::{RngExt, SeedableRng, rngs::StdRng, seq::IndexedRandom};
 
-use crate::sketch::{Sketch, even, sand, water, without_noise};
+use crate::sketch::{Sketch, even, sand, thicknesses, water, without_noise};
 
 const SPACING: f64 = 0.05;
 
@@ -74,8 +74,8 @@ fn largest_difference(scene: &Scene, own: &RunResult, other: &RunResult) -> f64 
         of("places of probes", length, &|run| run.probes.iter().flat_map(|row| [row.x_m, row.y_m]).collect()),
         of("front", length, &|run| run.front.iter().map(|row| row.front_m).collect()),
         of("heat", largest(&heat), &heat),
-        of("thickness", length, &|run| run.walls.iter().map(|row| row.thickness_main_mean_m).collect()),
-        of("thickness between", length, &|run| run.walls.iter().map(|row| row.thickness_interface_mean_m).collect()),
+        of("thickness", length, &|run| run.walls.iter().map(|row| thicknesses(row)[0]).collect()),
+        of("thickness between", length, &|run| run.walls.iter().map(|row| thicknesses(row)[1]).collect()),
         of("frozen area", length * length, &|run| run.walls.iter().map(|row| row.frozen_area_m2).collect()),
         of("heat of a pipe", largest(&|run| run.walls.iter().map(|row| row.heat_per_pipe_w_per_m).collect()), &|run| {
             run.walls.iter().map(|row| row.heat_per_pipe_w_per_m).collect()

@@ -6,7 +6,7 @@ use frazil::registry::methods;
 use frazil_core::solvers::step::Clock;
 use frazil_core::space::domain::{Domain, Sector};
 use frazil_core::statistics::order::observed_order;
-use frazil_record::{Outcome, RunResult};
+use frazil_record::{Outcome, RunResult, WallRow};
 use frazil_scene::Scene;
 use frazil_scene::method::MethodKind;
 use frazil_simulation::march::{self, Options};
@@ -269,6 +269,11 @@ pub fn even() -> impl Iterator<Item = &'static MethodKind> {
 pub fn through(result: &RunResult, patch: &str) -> Vec<f64> {
     let column = result.budget_names.iter().position(|name| name == patch).expect("a patch");
     result.budget.iter().map(|row| row.in_j[column]).collect()
+}
+
+/// Frozen lengths through pipes and between them (m).
+pub fn thicknesses(row: &WallRow) -> [f64; 2] {
+    [row.thickness_main_mean_m, row.thickness_interface_mean_m].map(|mean| mean.expect("planes of both kinds"))
 }
 
 /// A scene that comes with the program, with some keys set.

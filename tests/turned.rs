@@ -4,7 +4,7 @@ use frazil_core::space::domain::{Domain, Sector};
 use frazil_record::{Outcome, ProfileRow, RunResult};
 use frazil_scene::method::MethodKind;
 
-use crate::sketch::{SHARP, Sketch, even, sand, water};
+use crate::sketch::{SHARP, Sketch, even, sand, thicknesses, water};
 
 const SHARP_WATER: &str = "law = \"isothermal\", temperature_c = 0, latent_heat_J_per_kg = 334000";
 const CURVE: &str = "law = \"weibull\", temperature_c = 0, latent_heat_J_per_kg = 52875.8, width_K = 0.5";
@@ -393,13 +393,9 @@ fn apart(own: &RunResult, other: &RunResult, placing: &Placing, range: f64) -> L
         largest.take(|| format!("{row:?}, {found:?}"), row.frozen_volume, found.frozen_volume, 1.0);
     }
     for (row, found) in own.walls.iter().zip(&other.walls) {
-        largest.take(|| format!("{row:?}, {found:?}"), row.thickness_main_mean_m, found.thickness_main_mean_m, 1.0);
-        largest.take(
-            || format!("{row:?}, {found:?}"),
-            row.thickness_interface_mean_m,
-            found.thickness_interface_mean_m,
-            1.0,
-        );
+        for (own_mean, found_mean) in thicknesses(row).into_iter().zip(thicknesses(found)) {
+            largest.take(|| format!("{row:?}, {found:?}"), own_mean, found_mean, 1.0);
+        }
         largest.take(|| format!("{row:?}, {found:?}"), row.frozen_area_m2, found.frozen_area_m2, 1.0);
     }
     let duration = own.budget.last().map_or(1.0, |row| row.time_s);

@@ -11,8 +11,9 @@ use frazil_layouts::goals::Design;
 use frazil_record::{Field, RunResult};
 use frazil_scene::Scene;
 use frazil_simulation::march::{self, Options};
+use frazil_studies::answers::answers;
 
-use crate::sketch::bundled;
+use crate::sketch::{SHARP, Sketch, bundled, even, sand, thicknesses};
 
 /// Spacing of the runs (m).
 const SPACING: f64 = 0.2;
@@ -362,7 +363,7 @@ fn a_young_wall_is_as_thick_as_the_reference() {
         let result = result.unwrap_or_else(|error| unreachable!("{error}"));
         let mut young = 0;
         for row in &result.walls {
-            let (between, weakest) = (row.thickness_interface_mean_m, row.thickness_weakest_m.expect("a wall"));
+            let (between, weakest) = (thicknesses(row)[1], row.thickness_weakest_m.expect("a wall"));
             let at = format!("{method}, {spacing} m, day {}: {between} and {weakest} m", row.time_s / DAY);
             if row.time_s < 14.5 * DAY {
                 assert!(between == 0.0 && weakest == 0.0, "{at}");
@@ -375,6 +376,35 @@ fn a_young_wall_is_as_thick_as_the_reference() {
             }
         }
         assert_eq!(young, 5, "{method}");
+    }
+}
+
+/// A pipe that has no neighbour has no wall around the centre and no ground between pipes; what it freezes is told, and is as much wherever
+/// it stands: the outer wall is 4.5 m away, and cold reaches `2 root(alpha t)`, 1.4 m; beyond there are `erfc(3.2)`, 1e-5, of it.
+#[test]
+fn a_pipe_without_neighbours_has_no_wall() {
+    for kind in even() {
+        let areas = [0.0, 1.5].map(|radius| {
+            let mut sketch = Sketch::new(Domain::Ring { outer_radius: 6.0, sector: Sector::Whole }, 0.1)
+                .wall("outer", "temperature_c = 10");
+            sketch.materials = vec![("sand", sand(SHARP))];
+            sketch.pipes =
+                vec![format!("count = 1\nring_radius_m = {radius}\npipe_radius_m = 0.054\ntemperature_c = -20")];
+            (sketch.initial_c, sketch.duration_s, sketch.outputs) = (10.0, 10.0 * DAY, 10);
+            let scene = sketch.scene(kind);
+            let result = sketch.run(kind);
+            assert_eq!((result.record.wall.is_none(), result.links.len(), result.gaps.len()), (true, 0, 0));
+            let last = result.walls.last().expect("a row");
+            assert_eq!((last.thickness_interface_mean_m, last.closed, last.thickness_weakest_m), (None, None, None));
+            assert_eq!(last.thickness_main_mean_m.is_some(), radius > 0.0);
+            let said: Vec<String> = answers(&scene, &result).into_iter().map(|(title, _)| title).collect();
+            assert!(said.iter().any(|title| title == "frozen area"), "{said:?}");
+            assert!(!said.iter().any(|title| title == "frozen wall"), "{said:?}");
+            assert_eq!(said.iter().any(|title| title == "frozen lengths"), radius > 0.0, "{said:?}");
+            last.frozen_area_m2
+        });
+        eprintln!("{}: {areas:?}", kind.name);
+        assert!(areas[0] > 0.3 && (areas[1] / areas[0] - 1.0).abs() < 1e-5, "{}: {areas:?}", kind.name);
     }
 }
 

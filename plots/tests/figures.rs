@@ -90,9 +90,9 @@ fn ring_run() -> RunResult {
         let closed = (day - 15.0).max(0.0).sqrt() * 0.28;
         run.walls.push(WallRow {
             time_s: day * 86400.0,
-            thickness_main_mean_m: 0.3 * day.sqrt(),
+            thickness_main_mean_m: Some(0.3 * day.sqrt()),
             thickness_main_mean_ref_m: Some(0.303 * day.sqrt()),
-            thickness_interface_mean_m: closed,
+            thickness_interface_mean_m: Some(closed),
             thickness_interface_mean_ref_m: Some(closed * 1.02),
             frozen_area_m2: day,
             frozen_area_ref_m2: None,

@@ -91,10 +91,10 @@ impl Kept {
 pub struct Day {
     /// The instant (days).
     pub day: f64,
-    /// Thickness on interface planes, mean over the ring (m).
-    pub thickness_interface_mean_m: f64,
-    /// Thickness on main planes, mean over the ring (m).
-    pub thickness_main_mean_m: f64,
+    /// Thickness on interface planes, mean over the ring (m); none where there are none.
+    pub thickness_interface_mean_m: Option<f64>,
+    /// Thickness on main planes, mean over the ring (m); none where there are none.
+    pub thickness_main_mean_m: Option<f64>,
     /// Whether the wall stands closed.
     pub closed: bool,
     /// Thickness where the wall is weakest: frozen length on the least frozen way through it (m); 0 while it is open.
@@ -301,7 +301,9 @@ impl Series {
             Domain::Ring { sector, .. } => sector.images() as f64,
             _ => 1.0,
         };
-        let wall = |value: fn(&WallRow) -> f64| kept.walls.iter().map(|row| (row.time_s, value(row))).collect();
+        let wall = |value: fn(&WallRow) -> Option<f64>| {
+            kept.walls.iter().filter_map(|row| Some((row.time_s, value(row)?))).collect()
+        };
         let plane = |name: &str, value: fn(&PlaneRow) -> Option<f64>| {
             let rows = kept.planes.iter().filter(|row| row.plane == name);
             rows.filter_map(|row| Some((row.time_s, value(row)?))).collect()
@@ -332,11 +334,11 @@ impl Series {
             outer: plane("interface", |row| row.outer_m),
             main_inner: plane("main", |row| row.inner_m),
             main_outer: plane("main", |row| row.outer_m),
-            area: wall(|row| row.frozen_area_m2),
+            area: wall(|row| Some(row.frozen_area_m2)),
             mean_main: plane("main", |row| row.mean_temperature_c),
             mean_interface: plane("interface", |row| row.mean_temperature_c),
             mean: plane("wall", |row| row.mean_temperature_c),
-            heat: wall(|row| row.heat_per_pipe_w_per_m),
+            heat: wall(|row| Some(row.heat_per_pipe_w_per_m)),
             taken: entered("pipes", -1.0),
             given: entered("outer", 1.0),
         }
@@ -378,8 +380,8 @@ impl Series {
         let weakest = self.weakest.iter().rev().find(|row| row.0 <= time + room);
         Day {
             day: time / DAY,
-            thickness_interface_mean_m: read(&self.thickness_interface).unwrap_or(0.0),
-            thickness_main_mean_m: read(&self.thickness_main).unwrap_or(0.0),
+            thickness_interface_mean_m: read(&self.thickness_interface),
+            thickness_main_mean_m: read(&self.thickness_main),
             closed: weakest.is_some_and(|(_, closed, ..)| *closed),
             thickness_weakest_m: weakest.map_or(0.0, |(_, _, thickness, _)| *thickness),
             temperature_weakest_c: weakest.and_then(|(.., temperature)| *temperature),

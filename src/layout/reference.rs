@@ -123,13 +123,8 @@ fn quantities(scene: &Scene, own: &Day, known: &WallDay) -> [(&'static str, Opti
     let inner = |section: &Section| section.ends.map(|ends| ends.0);
     let outer = |section: &Section| section.ends.map(|ends| ends.1);
     [
-        ("thickness_main_mean_m", Some(own.thickness_main_mean_m), Some(known.main.length), LENGTH_ERROR),
-        (
-            "thickness_interface_mean_m",
-            Some(own.thickness_interface_mean_m),
-            Some(known.interface.length),
-            LENGTH_ERROR,
-        ),
+        ("thickness_main_mean_m", own.thickness_main_mean_m, Some(known.main.length), LENGTH_ERROR),
+        ("thickness_interface_mean_m", own.thickness_interface_mean_m, Some(known.interface.length), LENGTH_ERROR),
         ("inner_main_m", own.main_m.map(|ends| ends.0), inner(&known.main), RADIUS_ERROR),
         ("outer_main_m", own.main_m.map(|ends| ends.1), outer(&known.main), RADIUS_ERROR),
         ("inner_interface_m", own.interface_m.map(|ends| ends.0), inner(&known.interface), RADIUS_ERROR),

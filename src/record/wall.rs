@@ -35,12 +35,12 @@ pub struct WallRecord {
 pub struct WallRow {
     /// Time (s).
     pub time_s: f64,
-    /// Frozen length on planes through a pipe, mean over the ring (m).
-    pub thickness_main_mean_m: f64,
+    /// Frozen length on planes through a pipe, mean over the ring (m); none where none of them is off the centre.
+    pub thickness_main_mean_m: Option<f64>,
     /// The reference's.
     pub thickness_main_mean_ref_m: Option<f64>,
-    /// Frozen length on planes between pipes, mean over the ring (m).
-    pub thickness_interface_mean_m: f64,
+    /// Frozen length on planes between pipes, mean over the ring (m); none where there are no such planes.
+    pub thickness_interface_mean_m: Option<f64>,
     /// The reference's.
     pub thickness_interface_mean_ref_m: Option<f64>,
     /// Frozen area of the whole ring (m2).

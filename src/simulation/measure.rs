@@ -241,14 +241,14 @@ pub fn errors(scene: &Scene, spacing: f64, result: &RunResult, reference: &dyn R
     let volume_from = scene.watch.front_from.unwrap_or(0.0).max(VOLUME_FROM.min(0.1 * scene.duration));
     let closure = reference.event("closure_day");
     let thickness_from = closure.map(|closure| THICKNESS_FROM * closure);
-    let wall_error = |from: Option<f64>, own: fn(&WallRow) -> f64, expected: &dyn Fn(f64) -> Option<f64>| {
+    let wall_error = |from: Option<f64>, own: fn(&WallRow) -> Option<f64>, expected: &dyn Fn(f64) -> Option<f64>| {
         let from = from?;
         relative_rms(
             result
                 .walls
                 .iter()
                 .filter(|row| row.time_s >= from)
-                .filter_map(|row| Some((own(row), positive(expected(row.time_s)?)?))),
+                .filter_map(|row| Some((own(row)?, positive(expected(row.time_s)?)?))),
         )
     };
     Errors {

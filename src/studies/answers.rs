@@ -47,10 +47,16 @@ pub fn answers(scene: &Scene, result: &RunResult) -> Vec<Line> {
         line("frozen volume", format!("{} after {}", say.volume(row.frozen_volume), say.time(row.time_s)));
     }
     if let Some(row) = result.walls.last() {
-        line("frozen wall", say.closure(result));
-        let (between, through) = (say.length(row.thickness_interface_mean_m), say.length(row.thickness_main_mean_m));
+        if let Some(closure) = say.closure(result) {
+            line("frozen wall", closure);
+        }
         let after = say.time(row.time_s);
-        line("frozen lengths", format!("{between} between pipes, {through} through pipes (means) after {after}"));
+        let lengths = [("between", row.thickness_interface_mean_m), ("through", row.thickness_main_mean_m)];
+        let lengths = lengths.into_iter().filter_map(|(way, mean)| Some(format!("{} {way} pipes", say.length(mean?))));
+        let lengths = lengths.collect::<Vec<_>>().join(", ");
+        if !lengths.is_empty() {
+            line("frozen lengths", format!("{lengths} (means) after {after}"));
+        }
         line("frozen area", format!("{} after {after}", say.with(row.frozen_area_m2, "m²")));
     }
     let mut line = |title: &str, words: String| lines.push((title.to_owned(), words));
@@ -197,20 +203,19 @@ impl Say<'_> {
     }
 
     /// When the wall closed around the centre, whether it still stands, and how thick it is; of a ring whose wall was not
-    /// watched, when its last gap closed.
-    fn closure(&self, result: &RunResult) -> String {
+    /// watched, when its last gap closed; nothing of pipes that have no gaps between them.
+    fn closure(&self, result: &RunResult) -> Option<String> {
         if let Some(wall) = &result.record.wall {
-            return self.watched(wall);
+            return Some(self.watched(wall));
         }
         let Gaps { all, open, last } = Gaps::of(&result.gaps);
         let last = last.and_then(|last| result.gaps.iter().find(|gap| gap.closure_s == Some(last)));
         match last.and_then(|gap| Some((gap, gap.closure_s?))) {
             Some((gap, closure)) if open == 0 => {
                 let (from, to) = (&gap.from, &gap.to);
-                format!("the last gap, between pipes {from} and {to}, closed after {}", self.time(closure))
+                Some(format!("the last gap, between pipes {from} and {to}, closed after {}", self.time(closure)))
             }
-            _ if all == 0 => "no gaps watched".into(),
-            _ => format!("not closed: {open} of {all} gaps are open at the end"),
+            _ => (all > 0).then(|| format!("not closed: {open} of {all} gaps are open at the end")),
         }
     }
 

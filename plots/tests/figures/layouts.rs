@@ -138,9 +138,9 @@ fn ring(name: &str, count: usize, missing: &[usize], inner: bool) -> Made {
         made.result.planes.push(wall("weakest", thick, mean));
         made.result.walls.push(WallRow {
             time_s: day * DAY,
-            thickness_main_mean_m: 0.3 * day.sqrt(),
+            thickness_main_mean_m: Some(0.3 * day.sqrt()),
             thickness_main_mean_ref_m: None,
-            thickness_interface_mean_m: thick,
+            thickness_interface_mean_m: Some(thick),
             thickness_interface_mean_ref_m: None,
             frozen_area_m2: day,
             frozen_area_ref_m2: None,

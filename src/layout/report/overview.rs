@@ -64,7 +64,7 @@ pub(super) fn overview(study: &Study<'_>, method: &str, compared: &[&Found<'_>])
             cell(fine.first_gap, 2, "none"),
             with_error(thickness, tables::error(thickness, far.map(|day| day.thickness_weakest_m)), 2, ""),
             with_error(mean, tables::error(mean, far.and_then(|day| day.temperature_weakest_c)), 2, "open"),
-            cell(end.map(|day| day.thickness_interface_mean_m), 2, ""),
+            cell(end.and_then(|day| day.thickness_interface_mean_m), 2, ""),
             cell(end.and_then(|day| day.mean_c), 2, "none"),
             cell(fine.peak(), 0, "none"),
             cell(end.map(|day| day.heat_per_pipe_w_per_m * fine.pipes as f64), 0, ""),

@@ -203,9 +203,9 @@ fn a_ring_is_judged_by_volume_thickness_and_closure() {
     let mut result = empty_result();
     let wall = |day: f64, area: f64, main: f64, interface: f64| WallRow {
         time_s: day * DAY,
-        thickness_main_mean_m: main,
+        thickness_main_mean_m: Some(main),
         thickness_main_mean_ref_m: None,
-        thickness_interface_mean_m: interface,
+        thickness_interface_mean_m: Some(interface),
         thickness_interface_mean_ref_m: None,
         frozen_area_m2: area,
         frozen_area_ref_m2: None,

@@ -70,11 +70,11 @@ impl HeapSize for Across {
     }
 }
 
-/// Mean frozen length over lines (m), each for all that it stands for.
-pub(super) fn mean_length(lines: &[Across], view: &View<'_>) -> f64 {
+/// Mean frozen length over lines (m), each for all that it stands for; none of none.
+pub(super) fn mean_length(lines: &[Across], view: &View<'_>) -> Option<f64> {
     let weights: usize = lines.iter().map(|line| line.multiplicity).sum();
     let lengths = lines.iter().map(|line| line.multiplicity as f64 * line.frozen(view).0);
-    lengths.sum::<f64>() / weights.max(1) as f64
+    (weights > 0).then(|| lengths.sum::<f64>() / weights as f64)
 }
 
 /// By how much (m) frozen ground is read as too long on the line through the middle between two pipes, as a sum over frozen fractions.

@@ -98,7 +98,7 @@ pub(super) fn of(setup: &Setup<'_>) -> Made {
     let mut wall = Wall {
         pipe_count: scene.rings.iter().map(|ring| ring.numbers().count()).sum(),
         images: setup.images(),
-        rows: Vec::with_capacity(if rays[0].is_empty() { 0 } else { outputs }),
+        rows: Vec::with_capacity(outputs),
         across: rays.each_ref().map(|rays| rays.iter().map(across).collect()),
         rays: rays.map(|rays| rays.into_iter().next()),
         cadence: Cadence::of(scene),
@@ -118,7 +118,7 @@ pub(super) fn of(setup: &Setup<'_>) -> Made {
         wall.link(setup, sector, &sampler);
         wall.planes.reserve_exact(4 * outputs);
     }
-    (wall.rays[0].is_some() || !wall.places.is_empty()).then(|| Box::new(wall) as _)
+    (wall.pipe_count > 0).then(|| Box::new(wall) as _)
 }
 
 impl Wall {
@@ -255,9 +255,10 @@ impl Wall {
         });
     }
 
-    /// Takes the wall where it is weakest at a time: whether it stands closed, and how thick it is (m); none where it is not watched.
+    /// Takes the wall where it is weakest at a time: whether it stands closed, and how thick it is (m); none where it is not watched
+    /// or no pipes are neighbours.
     fn stand(&mut self, view: &View<'_>) -> Option<(bool, f64)> {
-        if self.places.is_empty() {
+        if self.links.is_empty() {
             return None;
         }
         let (particles, time) = (view.particles, view.time);
@@ -403,9 +404,9 @@ impl Wall {
         rows.collect()
     }
 
-    /// What has become of the wall; none where it was not watched.
+    /// What has become of the wall; none where it was not watched or no pipes are neighbours.
     fn record(&self) -> Option<WallRecord> {
-        if self.places.is_empty() {
+        if self.links.is_empty() {
             return None;
         }
         let named = |link: usize| self.links[link].ends.map(|end| self.places[end].name.to_string());
@@ -460,9 +461,7 @@ impl Observer for Wall {
             return;
         }
         let stand = self.stand(view);
-        if self.rays[0].is_some() {
-            self.row(view, stand);
-        }
+        self.row(view, stand);
         if !self.places.is_empty() {
             self.sections(view);
         }

@@ -84,8 +84,8 @@ impl List<'_> {
         let reopened = wall.and_then(|wall| wall.reopening_s);
         self.add("reopened_days", "reopening", "d", reopened.map(days));
         self.add("thickness_weakest_m", "thickness at the weakest gap", "m", wall.map(|wall| wall.thickness_m));
-        self.add("thickness_interface_mean_m", "thickness between pipes", "m", Some(row.thickness_interface_mean_m));
-        self.add("thickness_main_mean_m", "thickness through pipes", "m", Some(row.thickness_main_mean_m));
+        self.add("thickness_interface_mean_m", "thickness between pipes", "m", row.thickness_interface_mean_m);
+        self.add("thickness_main_mean_m", "thickness through pipes", "m", row.thickness_main_mean_m);
         self.add("frozen_area_m2", "frozen area", "m²", Some(row.frozen_area_m2));
         self.add("heat_per_pipe_w_per_m", "heat of a pipe", "W/m", Some(row.heat_per_pipe_w_per_m));
     }

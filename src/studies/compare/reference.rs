@@ -169,7 +169,8 @@ impl Reference for LocalReference {
             Plane::Main => row.thickness_main_mean_m,
             Plane::Interface => row.thickness_interface_mean_m,
         };
-        between(&self.run.walls.iter().map(|row| (row.time_s, value(row))).collect::<Vec<_>>(), t)
+        let rows = self.run.walls.iter().filter_map(|row| Some((row.time_s, value(row)?)));
+        between(&rows.collect::<Vec<_>>(), t)
     }
 
     fn event(&self, name: &str) -> Option<f64> {

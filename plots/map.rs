@@ -116,6 +116,10 @@ pub(crate) fn extremes<'a>(values: impl IntoIterator<Item = &'a f64>) -> (f64, f
 /// Part of the range of a map at either end of it that has no isotherms.
 const ENDS: f64 = 0.02;
 
+/// Part of a band by which bands are painted below their edges, and by which values may lie beyond all: an even body is often at an edge, where
+/// rounding would decide the colour.
+const EVEN: f64 = 1e-3;
+
 /// A map with what stands in its plan.
 pub(crate) fn draw_over(field: &Field, plan: &GroundPlan, words: &Words, look: &Look) -> Canvas {
     let (mut canvas, frame) = draw_in(field, words, look);
@@ -156,8 +160,8 @@ pub(crate) fn draw_in(field: &Field, words: &Words, look: &Look) -> (Canvas, Fra
     if low.is_finite() {
         let step = band_step(high - low);
         let colours = Ramp { low, high, zero: look.zero.unwrap_or(low) };
-        let first = (low / step).floor() as i64;
-        let last = ((high / step).ceil() as i64).max(first + 1);
+        let first = (low / step + EVEN).floor() as i64;
+        let last = ((high / step - EVEN).ceil() as i64).max(first + 1);
         let mut edges: Vec<f64> = (first..=last).map(|k| k as f64 * step).collect();
         let is_turn = |zero: &f64| *zero > edges[0] && *zero < edges[edges.len() - 1];
         if let Some(zero) = look.zero.filter(is_turn) {
@@ -167,7 +171,8 @@ pub(crate) fn draw_in(field: &Field, words: &Words, look: &Look) -> (Canvas, Fra
             edges.dedup_by(|a, b| (*a - *b).abs() < 1e-9 * step);
         }
         let bands: Vec<Colour> = edges.windows(2).map(|band| colours.at(0.5 * (band[0] + band[1]))).collect();
-        grid.paint_bands(&mut canvas, &frame, &edges[1..edges.len() - 1], &bands);
+        let levels: Vec<f64> = edges[1..edges.len() - 1].iter().map(|edge| edge - EVEN * step).collect();
+        grid.paint_bands(&mut canvas, &frame, &levels, &bands);
         let isotherm = isotherm_step(high - low);
         for k in (low / isotherm).ceil() as i64..=(high / isotherm).floor() as i64 {
             let level = k as f64 * isotherm;

@@ -329,6 +329,27 @@ fn a_body_that_does_not_freeze_has_no_freezing_point() {
     assert!(far.iter().all(|svg| svg.contains("freezing point")) && far[0].contains("−500"));
 }
 
+/// A body that is even at the edge of a colour, as it was at the start, has one colour, whatever its rounding.
+#[test]
+fn rounding_of_an_even_body_is_not_drawn() {
+    let areas = |rounding: f64| {
+        let mut run = ring_run();
+        for field in &mut run.fields {
+            for (k, value) in field.temperature_c.iter_mut().enumerate() {
+                let (x, y) = ((k % field.nx) as f64 / field.nx as f64, (k / field.nx) as f64 / field.ny as f64);
+                let cooled = 20.0 * (-40.0 * (x * x + y * y)).exp();
+                *value = if cooled > 0.1 { 5.0 - cooled } else { 5.0 + rounding * f64::from((k * k % 7) as i32 - 3) };
+            }
+            field.frozen_fraction.clear();
+        }
+        let options = FigureOptions { freezing_point: Some(-0.5), ..plain(TimeUnit::Day) };
+        let map = drawings(&run, &options).into_iter().find(|(name, _)| name.starts_with("map_")).expect("a map");
+        map.1.svg().matches("<path").count()
+    };
+    assert_eq!(areas(1e-13), areas(0.0));
+    assert!(areas(1.0) > areas(0.0) + 10);
+}
+
 /// Where the reference has a map, it stands beside that of the run, and the difference beside both.
 #[test]
 fn maps_stand_beside_those_of_the_reference() {

@@ -8,7 +8,7 @@ pub trait Lanes: Copy {
     /// Numbers of the places in a vector.
     type Numbers: Copy;
 
-    /// How many there are: at most 16.
+    /// How many there are.
     const COUNT: usize;
 
     /// The same number in all of them.

@@ -104,6 +104,7 @@ pub fn near<L: Lanes, const D: usize>(
     square: f32,
     notes: &mut Notes,
 ) {
+    const { assert!(L::COUNT <= LANES) };
     assert!(columns.iter().all(|column| column.len() >= to + LANES));
     assert!(notes.counts.iter().all(|count| count + to.saturating_sub(from) <= NOTED));
     let square = L::splat(square);

@@ -64,7 +64,7 @@ impl Lanes for Eight {
     #[inline(always)]
     fn after(numbers: __m256i) -> __m256i {
         // SAFETY: as above.
-        unsafe { _mm256_add_epi32(numbers, _mm256_set1_epi32(GROUP as i32)) }
+        unsafe { _mm256_add_epi32(numbers, _mm256_set1_epi32(Self::COUNT as i32)) }
     }
 
     #[inline(always)]
@@ -135,7 +135,7 @@ impl Lanes for Sixteen {
     #[inline(always)]
     fn after(numbers: __m512i) -> __m512i {
         // SAFETY: as above.
-        unsafe { _mm512_add_epi32(numbers, _mm512_set1_epi32(16)) }
+        unsafe { _mm512_add_epi32(numbers, _mm512_set1_epi32(Self::COUNT as i32)) }
     }
 
     #[inline(always)]

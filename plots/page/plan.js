@@ -22,7 +22,11 @@
     element.append(...children);
     return element;
   };
-  const number = (value, digits) => value.toFixed(digits).replace("-", "−");
+  const number = (value, digits) => {
+    const text = value.toFixed(digits);
+    // What rounds to zero has no sign.
+    return text.replace("-", Number(text) === 0 ? "" : "−");
+  };
 
   /** The last day of a layout that is known by then; the first before. */
   const on = (layout, day) => layout.days.findLast((one) => one.day <= day) || layout.days[0];
@@ -40,7 +44,7 @@
     if (gap) {
       const thick = now.closed && now.thickness_m !== null ? `, ${number(now.thickness_m, 2)} m thick` : "";
       const cold = now.closed && now.mean_c !== null ? `, ${number(now.mean_c, 1)} °C in the mean` : "";
-      const others = gap.alike ? ` and ${gap.alike} like it` : "";
+      const others = gap.alike ? ` and ${gap.alike} equal by symmetry` : "";
       const name = areAlike(layout) ? "all gaps are alike" : gap.name + others;
       rows.push([now.closed ? "Weakest gap" : "Widest open gap", `${name}${thick}${cold}`]);
     }

@@ -192,7 +192,7 @@ impl Ledger {
 
     /// Heat that all pipes have taken so far (J).
     pub fn taken_by_rings(&self) -> f64 {
-        -self.of_rings(&self.heat).map(Sum::value).sum::<f64>()
+        0.0 - self.of_rings(&self.heat).map(Sum::value).sum::<f64>()
     }
 
     /// What belongs to rings of pipes, of something by patch.

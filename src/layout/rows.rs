@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use frazil_record::{fixed, off_by};
 use frazil_studies::failure::Failure;
 use frazil_studies::output;
 use serde::Serialize;
@@ -16,7 +17,7 @@ pub(super) fn write_rows<R: Serialize>(folder: &Path, name: &str, rows: &[R]) ->
 
 /// A number, or what stands in its place.
 pub(super) fn cell(value: Option<f64>, digits: usize, none: &str) -> String {
-    value.map_or_else(|| none.to_owned(), |value| format!("{value:.digits$}"))
+    value.map_or_else(|| none.to_owned(), |value| fixed(value, digits))
 }
 
 /// A change with its sign, if there is one.
@@ -26,7 +27,7 @@ pub(super) fn signed(value: Option<f64>, digits: usize) -> String {
 
 /// A number and how far off it may be.
 pub(super) fn with_error(value: Option<f64>, error: Option<f64>, digits: usize, none: &str) -> String {
-    let error = value.and(error).map_or(String::new(), |error| format!(" ± {error:.digits$}"));
+    let error = value.and(error).map_or(String::new(), |error| format!(" ± {}", off_by(error, digits)));
     format!("{}{error}", cell(value, digits, none))
 }
 

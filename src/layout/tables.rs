@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use frazil_plots::style::percent;
-use frazil_record::Outcome;
+use frazil_record::{Outcome, off_by};
 use frazil_studies::failure::Failure;
 use serde::Serialize;
 
@@ -365,7 +365,7 @@ pub(super) fn summary(study: &Study<'_>, method: &str, found: &[Found<'_>], fold
         let fine = &one.fine;
         let closure = match fine.closure {
             Some(day) => {
-                let off = closure_error(one).map_or(String::new(), |error| format!(" +- {error:.2}"));
+                let off = closure_error(one).map_or(String::new(), |error| format!(" +- {}", off_by(error, 2)));
                 format!("closes on day {day:.2}{off}")
             }
             None => "does not close".into(),

@@ -18,7 +18,7 @@ pub use measured::{MeasuredErrors, MeasuredRow};
 pub use provenance::Provenance;
 pub use record::{Errors, EstimatedError, Outcome, Record, ReferenceInfo, Value};
 pub use result::RunResult;
-pub use shown::{brief, is_hidden, plain, quoted, shown, shown_lines};
+pub use shown::{brief, fixed, is_hidden, off_by, plain, quoted, shown, shown_lines};
 pub use stream::{SectionRow, StreamRecord, StreamRow};
 pub use table::{Column, Head, Role, Table, Unit};
 pub use tables::{

@@ -50,8 +50,29 @@ pub fn brief(text: &str) -> Cow<'_, str> {
 
 /// A number as people write it: so many digits, and a power of ten only far from one.
 pub fn plain(number: f64, digits: usize) -> String {
-    let short = format!("{number:.*e}", digits.saturating_sub(1)).parse().unwrap_or(number);
+    // Zero has no sign.
+    let short = 0.0 + format!("{number:.*e}", digits.saturating_sub(1)).parse().unwrap_or(number);
     if short == 0.0 || (1e-4..1e7).contains(&short.abs()) { format!("{short}") } else { format!("{short:e}") }
+}
+
+/// A number with so many decimals; what rounds to zero has no sign.
+pub fn fixed(number: f64, decimals: usize) -> String {
+    let text = format!("{number:.decimals$}");
+    match text.strip_prefix('-') {
+        Some(size) if is_zero(size) => size.to_owned(),
+        _ => text,
+    }
+}
+
+/// How far off a number with so many decimals may be, as it stands behind ±: what these do not show is less than the last of them.
+pub fn off_by(error: f64, decimals: usize) -> String {
+    let text = fixed(error, decimals);
+    if error > 0.0 && is_zero(&text) { format!("<{}", fixed(0.1_f64.powi(decimals as i32), decimals)) } else { text }
+}
+
+/// Whether a number without a sign is zero as it is written.
+fn is_zero(written: &str) -> bool {
+    written.bytes().all(|digit| matches!(digit, b'0' | b'.'))
 }
 
 fn escaped(text: &str, hidden: impl Fn(char) -> bool) -> Cow<'_, str> {
@@ -85,10 +106,27 @@ mod tests {
             (7.66e7, 2, "7.7e7"),
             (2e-9, 3, "2e-9"),
             (0.0, 3, "0"),
+            (-0.0, 3, "0"),
             (f64::INFINITY, 3, "inf"),
         ];
         for (number, digits, words) in cases {
             assert_eq!(plain(number, digits), words);
+        }
+    }
+
+    #[test]
+    fn what_rounds_to_zero_has_no_sign() {
+        let cases = [(-1e-14, 2, "0.00"), (-0.0, 0, "0"), (-0.006, 2, "-0.01"), (0.004, 2, "0.00"), (-10.0, 0, "-10")];
+        for (number, decimals, words) in cases {
+            assert_eq!(fixed(number, decimals), words);
+        }
+    }
+
+    #[test]
+    fn an_error_that_is_not_zero_is_not_told_as_zero() {
+        let cases = [(0.004, 2, "<0.01"), (0.006, 2, "0.01"), (0.0, 2, "0.00"), (0.3, 0, "<1"), (f64::NAN, 1, "NaN")];
+        for (error, decimals, words) in cases {
+            assert_eq!(off_by(error, decimals), words);
         }
     }
 

@@ -12,7 +12,7 @@ use super::{SHOWN, Told};
 pub(super) fn answers(study: &Study<'_>, told: &Told<'_>, compared: &[&Found<'_>]) -> Vec<String> {
     let closes = |one: &Found<'_>| one.fine.closure;
     let closure = |one: &Found<'_>| {
-        let day = with_error(one.fine.closure, tables::closure_error(one), 1, "");
+        let day = with_error(one.fine.closure, tables::closure_error(one), 2, "");
         let again = one.fine.reopening.map_or(String::new(), |day| format!(" and OPENS AGAIN on day {day:.1}"));
         let gap =
             one.fine.weakest.as_ref().map_or(String::new(), |link| format!(" ({} to {} widest)", link.from, link.to));

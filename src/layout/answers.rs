@@ -8,6 +8,7 @@ use frazil_simulation::observers::LOADS;
 use serde::{Deserialize, Serialize};
 
 use super::around::{Around, Line, Mapped, around};
+use super::designed::{Weakest, designed};
 use super::formula::SteadyRing;
 use super::goals::Design;
 use super::variants::working;
@@ -186,7 +187,7 @@ impl Answers {
         let on = |time: &f64| Day { mean_axis_c: mapped(*time).and_then(|map| map.mean_axis_c), ..series.day(*time) };
         let days: Vec<Day> = scene.watch.profiles.iter().map(on).collect();
         let wall = kept.record.wall.as_ref();
-        let (design, design_left) = design.map_or((None, None), |design| series.designed(design));
+        let (design, left) = design.map_or((None, None), |design| designed(&series.weakest, design));
         Answers {
             pipes,
             first_gap: closures().reduce(f64::min).map(day),
@@ -200,8 +201,8 @@ impl Answers {
             last: wall.and_then(|wall| wall.last_gap.clone()),
             open,
             all_gaps: if open == 0 { closures().reduce(f64::max).map(day) } else { None },
-            design,
-            design_left,
+            design: design.map(day),
+            design_left: left.map(day),
             far: Far::of(scene, kept, &series),
             formula: days.last().and_then(|last| formula(scene, last)),
             days,
@@ -272,8 +273,8 @@ impl Far {
 
 /// What is read of the wall over time: seconds and values.
 struct Series {
-    /// The wall where it is weakest: time (s), whether it is closed, thickness (m), mean temperature.
-    weakest: Vec<(f64, bool, f64, Option<f64>)>,
+    /// The wall where it is weakest.
+    weakest: Vec<Weakest>,
     weakest_inner: Vec<(f64, f64)>,
     weakest_outer: Vec<(f64, f64)>,
     thickness_interface: Vec<(f64, f64)>,
@@ -344,34 +345,6 @@ impl Series {
         }
     }
 
-    /// Day on which the wall first was as designed, and the day on which it first was so no more: closed, as thick as wanted where it is
-    /// weakest, and as cold there in the mean. Between two outputs that both tell of a closed wall it is reckoned by its thickness and
-    /// temperature, else the later of the two is taken to come to it, and the earlier to leave it.
-    fn designed(&self, design: Design) -> (Option<f64>, Option<f64>) {
-        let (mut before, mut reached): (Option<(f64, [f64; 2])>, Option<f64>) = (None, None);
-        for (time, closed, thickness, temperature) in &self.weakest {
-            // How far both are from what is wanted: 0 or less once they are there.
-            let lack = temperature
-                .filter(|_| *closed)
-                .map(|mean| [design.thickness_m - thickness, mean - design.mean_temperature_c]);
-            let is_designed = lack.is_some_and(|lack| lack.iter().all(|lack| *lack <= 0.0));
-            if is_designed == reached.is_none() {
-                let (last, part) = match (before, lack) {
-                    (Some((last, lacked)), Some(now)) => (last, crossing(lacked, now, is_designed)),
-                    (Some((last, _)), None) => (last, 0.0),
-                    (None, _) => (*time, 1.0),
-                };
-                let day = (last + part * (time - last)) / DAY;
-                if !is_designed {
-                    return (reached, Some(day));
-                }
-                reached = Some(day);
-            }
-            before = lack.map(|lack| (*time, lack));
-        }
-        (reached, None)
-    }
-
     /// The wall at an instant; what is not there yet is absent, or 0.
     fn day(&self, time: f64) -> Day {
         let read = |series: &[(f64, f64)]| between(series, time);
@@ -399,13 +372,6 @@ impl Series {
             energy_mj_per_m: 1e-6 * read(&self.taken).unwrap_or(0.0),
         }
     }
-}
-
-/// The part of a way between two looks at which the last of what is lacked is there, or the first of what was there is lost.
-fn crossing(before: [f64; 2], now: [f64; 2], comes: bool) -> f64 {
-    let crossed = before.into_iter().zip(now).filter(|(before, now)| (*before <= 0.0) != (*now <= 0.0));
-    let parts = crossed.map(|(before, now)| before / (before - now));
-    if comes { parts.fold(0.0, f64::max) } else { parts.fold(1.0, f64::min) }
 }
 
 /// The steady ring of a scene with one even ring, with the fronts of a day.

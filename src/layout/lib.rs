@@ -28,6 +28,7 @@ pub mod around;
 pub mod boreholes;
 mod check;
 pub mod critical;
+mod designed;
 pub mod doubts;
 mod dug;
 pub mod execute;

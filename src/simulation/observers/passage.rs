@@ -125,9 +125,14 @@ impl PassageFinder {
         ways.iter().map(side).sum()
     }
 
-    /// Mean temperature of the frozen ground on that way.
-    pub(super) fn mean_along(&self, particles: &Particles, through: DVec2) -> Option<f64> {
-        self.mean(particles, self.straight(through))
+    /// Mean temperature of the frozen ground outwards through each of some places together.
+    pub(super) fn mean_along(&self, particles: &Particles, through: impl Iterator<Item = DVec2>) -> Option<f64> {
+        // A strip as wide as a cell: a line is in now more and now less of the cells that it touches.
+        let beside = |place: DVec2| {
+            let step = self.step() * place.normalize_or(DVec2::X).perp();
+            [-1.5, -0.5, 0.5, 1.5].map(|steps| place + steps * step)
+        };
+        self.mean(particles, through.flat_map(beside).flat_map(|place| self.straight(place)))
     }
 
     /// Length of the steps of a straight way (m).
@@ -148,7 +153,7 @@ impl PassageFinder {
     /// Mean temperature of what is frozen of cells.
     fn mean(&self, particles: &Particles, cells: impl Iterator<Item = usize>) -> Option<f64> {
         let (mut sum, mut weight) = (0.0, 0.0);
-        for at in cells {
+        for at in cells.filter(|at| self.cells.share[*at] > 0.0) {
             let particle = self.particle[at] as usize;
             sum += self.cells.share[at] * particles.frozen_reading(particle, || particles.front_fraction(particle));
             weight += self.cells.share[at];

@@ -271,9 +271,11 @@ impl Wall {
         if let Some(joined) = joined {
             let mut passage = self.finder.passage(particles, view.fractions(), self.sharp);
             let link = self.crossed(&passage, joined);
-            // Of ways that are as short, the lattice picks now one and now another: straight through the gap it is the warmest.
-            if let Some(through) = link.map(|link| self.middle(link)).filter(|at| self.is_weakest(*at, &passage)) {
-                passage.mean_temperature = self.finder.mean_along(particles, through);
+            // Of ways that are as short, the lattice picks now one and now another: straight through the gap it is the warmest. The mean
+            // is that over gaps that are alike, as are their closures.
+            if let Some(link) = link.filter(|link| self.is_weakest(self.middle(*link), &passage)) {
+                let middles = self.alike(link).map(|other| self.middle(other));
+                passage.mean_temperature = self.finder.mean_along(particles, middles);
             }
             passage.narrow(link.map_or(0.0, |link| self.excess(link, &passage)));
             self.standing.look(time, passage.barred.then_some(passage.thickness), joined);

@@ -192,6 +192,7 @@ impl Ledger {
 
     /// Heat that all pipes have taken so far (J).
     pub fn taken_by_rings(&self) -> f64 {
+        // Pipes that take none take no negative zero.
         0.0 - self.of_rings(&self.heat).map(Sum::value).sum::<f64>()
     }
 

@@ -22,7 +22,11 @@ pub(super) fn cell(value: Option<f64>, digits: usize, none: &str) -> String {
 
 /// A change with its sign, if there is one.
 pub(super) fn signed(value: Option<f64>, digits: usize) -> String {
-    value.map_or_else(String::new, |value| format!("{value:+.digits$}"))
+    let signed = |value: f64| {
+        let text = fixed(value, digits);
+        if text.parse::<f64>().is_ok_and(|shown| shown > 0.0) { format!("+{text}") } else { text }
+    };
+    value.map_or_else(String::new, signed)
 }
 
 /// A number and how far off it may be.

@@ -371,6 +371,7 @@ impl Wall {
     fn row(&mut self, view: &View<'_>, stand: Option<(bool, f64)>) {
         let length = |lines: &Vec<Across>| mean_length(lines, view);
         let [main, interface] = self.across.each_ref().map(length);
+        // No negative zero.
         let heat = 0.0 - view.ledger.rings().sum::<f64>();
         self.rows.push(WallRow {
             time_s: view.time,

@@ -125,14 +125,31 @@ impl PassageFinder {
         ways.iter().map(side).sum()
     }
 
-    /// Mean temperature of the frozen ground outwards through each of some places together.
-    pub(super) fn mean_along(&self, particles: &Particles, through: impl Iterator<Item = DVec2>) -> Option<f64> {
-        // A strip as wide as a cell: a line is in now more and now less of the cells that it touches.
-        let beside = |place: DVec2| {
-            let step = self.step() * place.normalize_or(DVec2::X).perp();
-            [-1.5, -0.5, 0.5, 1.5].map(|steps| place + steps * step)
+    /// Cells of a strip from the centre outwards through a place, as wide as a cell, with how much of it is in each: a line is in now more
+    /// and now less of the cells that it touches.
+    pub(super) fn strip(&self, through: DVec2) -> Sample {
+        let beside = self.step() * through.normalize_or(DVec2::X).perp();
+        let lines = [-1.5, -0.5, 0.5, 1.5].map(|steps| self.steps_through(through + steps * beside));
+        let mut cells: Vec<(u32, f64)> = lines.into_iter().flatten().map(|at| (at as u32, 1.0)).collect();
+        cells.sort_unstable_by_key(|cell| cell.0);
+        cells.dedup_by(|cell, kept| {
+            let is_same = cell.0 == kept.0;
+            kept.1 += if is_same { cell.1 } else { 0.0 };
+            is_same
+        });
+        Sample(cells)
+    }
+
+    /// Mean temperature of the frozen ground of some strips together, each of which counts some times.
+    pub(super) fn mean_of<'a>(
+        &self,
+        particles: &Particles,
+        strips: impl Iterator<Item = (&'a Sample, usize)>,
+    ) -> Option<f64> {
+        let cells = |(strip, times): (&'a Sample, usize)| {
+            strip.0.iter().map(move |(at, part)| (*at as usize, times as f64 * part))
         };
-        self.mean(particles, through.flat_map(beside).flat_map(|place| self.straight(place)))
+        self.mean(particles, strips.flat_map(cells))
     }
 
     /// Length of the steps of a straight way (m).
@@ -141,22 +158,24 @@ impl PassageFinder {
     }
 
     /// The cells straight outwards through a place, by steps.
-    fn straight(&self, through: DVec2) -> impl Iterator<Item = usize> {
+    fn steps_through(&self, through: DVec2) -> impl Iterator<Item = usize> {
         let direction = through.normalize_or(DVec2::X);
-        let cell = move |k: usize| {
-            let place = (k as f64 + 0.5) * self.step() * direction;
-            self.cells.cell(place).filter(|at| !self.cells.share[*at].is_nan())
-        };
-        (0..).map_while(cell)
+        (0..).map_while(move |k: usize| self.cells.cell((k as f64 + 0.5) * self.step() * direction))
     }
 
-    /// Mean temperature of what is frozen of cells.
-    fn mean(&self, particles: &Particles, cells: impl Iterator<Item = usize>) -> Option<f64> {
+    /// Those of them in which there is ground.
+    fn straight(&self, through: DVec2) -> impl Iterator<Item = usize> {
+        self.steps_through(through).take_while(|at| !self.cells.share[*at].is_nan())
+    }
+
+    /// Mean temperature of what is frozen of cells, each of which has a weight.
+    fn mean(&self, particles: &Particles, cells: impl Iterator<Item = (usize, f64)>) -> Option<f64> {
         let (mut sum, mut weight) = (0.0, 0.0);
-        for at in cells.filter(|at| self.cells.share[*at] > 0.0) {
-            let particle = self.particle[at] as usize;
-            sum += self.cells.share[at] * particles.frozen_reading(particle, || particles.front_fraction(particle));
-            weight += self.cells.share[at];
+        // Where there is no ground the share is NaN, which is not frozen.
+        for (at, own) in cells.filter(|(at, _)| self.cells.share[*at] > 0.0) {
+            let (particle, frozen) = (self.particle[at] as usize, own * self.cells.share[at]);
+            sum += frozen * particles.frozen_reading(particle, || particles.front_fraction(particle));
+            weight += frozen;
         }
         (weight > 0.0).then(|| sum / weight)
     }
@@ -231,7 +250,7 @@ impl PassageFinder {
             barred: true,
             thickness,
             ends,
-            mean_temperature: self.mean(particles, way.iter().copied()),
+            mean_temperature: self.mean(particles, way.iter().map(|at| (*at, 1.0))),
             places: frozen.iter().map(|at| self.cells.place(*at)).collect(),
         }
     }

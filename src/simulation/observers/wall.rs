@@ -60,8 +60,8 @@ struct Wall {
     links: Vec<Link>,
     /// Lines between pipes, as mirrors bring them into the part of the plan that is run.
     lines: Vec<[DVec2; 2]>,
-    /// By how much frozen ground across the middle of each is read as too long, and the ways there, in cells of the finder.
-    excesses: Vec<(Sample, [Sample; 2])>,
+    /// By how much frozen ground across the middle of each is read as too long, the ways there, and a strip there, in cells of the finder.
+    excesses: Vec<(Sample, [Sample; 2], Sample)>,
     joints: Vec<Joint>,
     /// Rings of pipes, as the wall around them is read.
     rings: Vec<Sunk>,
@@ -147,7 +147,7 @@ impl Wall {
                 let middle = 0.5 * (line[0] + line[1]);
                 let across = (line[1] - line[0]).perp().normalize_or(DVec2::X);
                 let excess = self.finder.in_cells(&excess_between(line, sampler), sampler);
-                self.excesses.push((excess, self.finder.both_ways(middle, across)));
+                self.excesses.push((excess, self.finder.both_ways(middle, across), self.finder.strip(middle)));
                 self.joints.push(Joint::between(line, setup, sampler));
                 joints.push((self.joints.len() - 1, None));
                 if (line[0].length() - line[1].length()).abs() <= SAME_PLACE * scene.domain.extent() {
@@ -274,8 +274,9 @@ impl Wall {
             // Of ways that are as short, the lattice picks now one and now another: straight through the gap it is the warmest. The mean
             // is that over gaps that are alike, as are their closures.
             if let Some(link) = link.filter(|link| self.is_weakest(self.middle(*link), &passage)) {
-                let middles = self.alike(link).map(|other| self.middle(other));
-                passage.mean_temperature = self.finder.mean_along(particles, middles);
+                let times = |line| self.alike(link).filter(|other| self.links[*other].line == line).count();
+                let strips = self.excesses.iter().enumerate().map(|(line, cells)| (&cells.2, times(line)));
+                passage.mean_temperature = self.finder.mean_of(particles, strips.filter(|strip| strip.1 > 0));
             }
             passage.narrow(link.map_or(0.0, |link| self.excess(link, &passage)));
             self.standing.look(time, passage.barred.then_some(passage.thickness), joined);
@@ -334,7 +335,7 @@ impl Wall {
     /// the link it is thicker by more than that. Means over links that symmetry makes equal to it.
     fn excess(&self, link: usize, passage: &Passage) -> f64 {
         let lines = self.alike(link).map(|other| &self.excesses[self.links[other].line]);
-        let sums = lines.fold((0.0, 0.0), |sums, (excess, ways)| {
+        let sums = lines.fold((0.0, 0.0), |sums, (excess, ways, _)| {
             (sums.0 + self.finder.sum(excess), sums.1 + self.finder.around(ways))
         });
         let count = self.alike(link).count() as f64;
@@ -371,7 +372,6 @@ impl Wall {
     fn row(&mut self, view: &View<'_>, stand: Option<(bool, f64)>) {
         let length = |lines: &Vec<Across>| mean_length(lines, view);
         let [main, interface] = self.across.each_ref().map(length);
-        // No negative zero.
         let heat = 0.0 - view.ledger.rings().sum::<f64>();
         self.rows.push(WallRow {
             time_s: view.time,
